@@ -1,0 +1,25 @@
+// linear-prod: prod_j (1 + gamma_j (x_j - 1/2)), gamma_j = scale / j^power.
+// The low or high effective dimension is set by the decay of gamma (Sloan & Wozniakowski 1998).
+#ifdef KOKSMA_EXACT
+static double gamma_of(params q, uint j) { return q.scale / pow((double)(j + 1), q.power); }
+
+static void integrand_setup(params q, uint d, uint j, double *c) { c[0] = gamma_of(q, j); }
+
+static double exact_mean(params q, uint d) { return 1; }
+
+// prod (1 + gamma^2/12) - 1, by a sum of logarithms so that small variances keep their digits.
+static double exact_variance(params q, uint d) {
+  double logarithm = 0;
+  for (uint j = 0; j < d; ++j) {
+    const double g = gamma_of(q, j);
+    logarithm += log1p(g * g / 12);
+  }
+  return expm1(logarithm);
+}
+#else
+static inline real integrand(points *p, params q, coefficients c) {
+  real product = R(1.0);
+  for (uint j = 0; j < KOKSMA_DIM; ++j) product *= R(1.0) + c[j] * (points_next(p) - R(0.5));
+  return product;
+}
+#endif
