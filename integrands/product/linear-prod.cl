@@ -7,14 +7,15 @@ static void integrand_setup(params q, uint d, uint j, double *c) { c[0] = gamma_
 
 static double exact_mean(params q, uint d) { return 1; }
 
-// prod (1 + gamma^2/12) - 1, by a sum of logarithms so that small variances keep their digits.
+// prod (1 + gamma^2/12) - 1, built up term by term without a subtraction, from the small terms (power >=
+// 0: the last) up.
 static double exact_variance(params q, uint d) {
-  double logarithm = 0;
-  for (uint j = 0; j < d; ++j) {
+  double variance = 0;
+  for (uint j = d; j-- > 0;) {
     const double g = gamma_of(q, j);
-    logarithm += log1p(g * g / 12);
+    variance += (1 + variance) * (g * g / 12);
   }
-  return expm1(logarithm);
+  return variance;
 }
 #else
 static inline real integrand(points *p, params q, coefficients c) {

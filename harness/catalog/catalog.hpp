@@ -1,0 +1,127 @@
+// What exists: samplers, integrands, transforms, sums, estimators, read from the embedded files. Nothing here or
+// below lists their names; adding a file to kernels/ or integrands/ adds an entry.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "catalog/json.hpp"
+
+namespace koksma {
+
+// A piece of OpenCL C; `path` is what compiler messages show.
+struct SourceFile {
+  std::string path;
+  std::string text;
+};
+
+struct Sampler {
+  std::string name, title, citation;
+  std::string family;
+  bool centred = false;     // coordinates (k + 1/2) 2^-m in (0,1), else k 2^-m in [0,1)
+  bool replicable = false;  // has independent randomizations
+  std::vector<std::string> validity;  // iid, unbiased_replicates, linear, pairs (6-definitions 12)
+  std::string default_estimator;
+  bool power_of_two = false;  // N must be a power of two
+  unsigned max_log2_n = 0;
+  std::uint32_t max_dim = 0;
+  std::string rate_class;  // key into an integrand's expected rates
+  std::vector<std::string> properties;
+  Json options;                        // for the family's table builder
+  std::map<std::string, int> defines;  // structure of the kernel
+  Json known_answers;
+};
+
+struct Family {
+  std::string name, title, citation;
+  SourceFile code;
+};
+
+struct Parameter {
+  std::string name, meaning;
+  double default_value = 0, min = 0, max = 0;
+};
+
+// Where an exact quantity comes from: a function in the .cl, the mean (mean_abs of a nonnegative f), the values of the
+// entry's checks, or nowhere.
+struct ExactSource {
+  enum class Kind { formula, mean, table, none } kind = Kind::none;
+  std::string source;
+};
+
+// RMSE ~ N^(constant + per_dimension / d) for one class of samplers, and where it may gate.
+struct ExpectedRate {
+  double constant = 0, per_dimension = 0;
+  std::string source;
+  std::optional<std::uint32_t> gate_max_d;
+  double gate_tolerance = 0;
+  bool log_correction = false;
+};
+
+struct Integrand {
+  std::string name, title, citation;
+  std::string smoothness;  // key into integrands/classes.json
+  bool periodic = false, exact_operations = false, nonnegative = false;
+  std::vector<Parameter> parameters;
+  std::uint32_t min_dim = 1, max_dim = 1, default_dim = 1;
+  std::vector<std::string> coefficients, transforms;
+  ExactSource mean, variance, mean_abs;
+  std::map<std::string, ExpectedRate> expected;  // by sampler rate class
+  Json checks, sample_checks;
+  SourceFile code;
+};
+
+struct Transform {
+  std::string name, title, citation;
+  SourceFile code;
+};
+
+struct SumAlgorithm {
+  std::string name, title, citation;
+  unsigned words = 1;             // stored words whose exact sum is the value
+  bool needs_fp64 = false;        // stores doubles; else the cell's precision
+  int preference = 0;             // the default is the highest the device can run
+  SourceFile code;
+};
+
+struct Estimator {
+  std::string name, title, citation;
+  std::vector<std::string> fits;  // any one of these validities; empty: every sampler
+  unsigned moments = 1;
+  std::string interval;  // normal | student-t | none
+  bool replicated = false;
+};
+
+struct Catalog {
+  std::vector<Family> families;
+  std::vector<Sampler> samplers;
+  std::vector<Integrand> integrands;
+  std::vector<Transform> transforms;
+  std::vector<SumAlgorithm> sums;
+  std::vector<Estimator> estimators;
+
+  // Lookups throw InputError("<where>", …) with the nearest spelling.
+  const Sampler& sampler(std::string_view name, std::string_view where) const;
+  const Integrand& integrand(std::string_view name, std::string_view where) const;
+  const SumAlgorithm& sum(std::string_view name, std::string_view where) const;
+  const Estimator& estimator(std::string_view name, std::string_view where) const;
+  // Lookups by names that the catalog itself holds.
+  const Family& family(std::string_view name) const;
+  const Transform& transform(std::string_view name) const;
+};
+
+// Reads and checks the embedded entries, then the user's integrand files (F.json beside F.cl).
+// InputError for a malformed entry, an unknown class or transform, or a name that exists already.
+Catalog load_catalog(const std::vector<std::string>& integrand_files = {});
+
+// True when the estimator's conditions hold for the sampler (6-definitions 12).
+bool fits(const Estimator& estimator, const Sampler& sampler);
+
+// The names of the estimators that fit, in catalog order.
+std::vector<std::string> fitting_estimators(const Catalog& catalog, const Sampler& sampler);
+
+}  // namespace koksma

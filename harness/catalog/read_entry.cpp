@@ -1,0 +1,119 @@
+#include "catalog/read_entry.hpp"
+
+#include <fmt/format.h>
+
+#include "error/error.hpp"
+
+namespace koksma {
+namespace {
+
+ExactSource read_exact(const Json& exact, const char* key) {
+  ExactSource result;
+  const auto found = exact.find(key);
+  if (found == exact.end()) return result;
+  const std::string from = found->at("from");
+  using Kind = ExactSource::Kind;
+  result.kind = from == "formula"    ? Kind::formula
+                : from == "mean"     ? Kind::mean
+                : from == "table"    ? Kind::table
+                                     : Kind::none;
+  result.source = found->value("source", "");
+  return result;
+}
+
+void read_rates(const Json& rates, std::map<std::string, ExpectedRate>& expected) {
+  for (const auto& [sampler_class, entry] : rates.items()) {
+    ExpectedRate rate;
+    rate.constant = entry.at("constant");
+    rate.per_dimension = entry.value("per_dimension", 0.0);
+    rate.source = entry.at("source");
+    if (const auto gate = entry.find("gate"); gate != entry.end()) {
+      rate.gate_max_d = gate->at("max_d").get<std::uint32_t>();
+      rate.gate_tolerance = gate->at("tolerance");
+      rate.log_correction = gate->value("log_correction", false);
+    }
+    expected[sampler_class] = rate;
+  }
+}
+
+}  // namespace
+
+Sampler read_sampler(const Json& entry, const std::string& family) {
+  Sampler s;
+  s.name = entry["name"];
+  s.title = entry["title"];
+  s.citation = entry["citation"];
+  s.family = family;
+  s.centred = entry["centred"];
+  s.replicable = entry["replicable"];
+  s.validity = entry["validity"].get<std::vector<std::string>>();
+  s.default_estimator = entry["default_estimator"];
+  s.power_of_two = entry["n"]["power_of_two"];
+  s.max_log2_n = entry["n"]["max_log2"];
+  s.max_dim = entry["dimensions"]["max"];
+  s.rate_class = entry["rate_class"];
+  s.properties = entry["properties"].get<std::vector<std::string>>();
+  s.options = entry["options"];
+  s.defines = entry["defines"].get<std::map<std::string, int>>();
+  s.known_answers = entry.value("known_answers", Json::array());
+  return s;
+}
+
+SumAlgorithm read_sum(const Json& entry, SourceFile code) {
+  SumAlgorithm s;
+  s.name = entry["name"];
+  s.title = entry["title"];
+  s.citation = entry["citation"];
+  s.words = entry["words"];
+  s.needs_fp64 = entry["word_type"] == "double";
+  s.preference = entry["preference"];
+  s.code = std::move(code);
+  return s;
+}
+
+Estimator read_estimator(const Json& entry) {
+  Estimator e;
+  e.name = entry["name"];
+  e.title = entry["title"];
+  e.citation = entry["citation"];
+  e.fits = entry["fits"].get<std::vector<std::string>>();
+  e.moments = entry["moments"];
+  e.interval = entry["interval"];
+  e.replicated = entry["replicated"];
+  return e;
+}
+
+Integrand read_integrand(const Json& entry, const Json& classes, std::string_view where, SourceFile code) {
+  Integrand f;
+  f.name = entry["name"];
+  f.title = entry["title"];
+  f.citation = entry["citation"];
+  f.smoothness = entry["class"];
+  f.periodic = entry["periodic"];
+  f.exact_operations = entry["exact_operations"];
+  f.nonnegative = entry["nonnegative"];
+  for (const Json& p : entry["parameters"])
+    f.parameters.push_back({p["name"], p["meaning"], p["default"], p["min"], p["max"]});
+  f.min_dim = entry["dimensions"]["min"];
+  f.max_dim = entry["dimensions"]["max"];
+  f.default_dim = entry["dimensions"]["default"];
+  f.coefficients = entry["coefficients"].get<std::vector<std::string>>();
+  f.transforms = entry["transforms"].get<std::vector<std::string>>();
+  f.mean = read_exact(entry["exact"], "mean");
+  f.variance = read_exact(entry["exact"], "variance");
+  f.mean_abs = read_exact(entry["exact"], "mean_abs");
+  f.checks = entry.value("checks", Json::array());
+  f.sample_checks = entry.value("sample_checks", Json::array());
+  f.code = std::move(code);
+
+  if (!classes.contains(f.smoothness)) {
+    std::vector<std::string> names;
+    for (const auto& [name, rates] : classes.items()) names.push_back(name);
+    throw unknown_name(fmt::format("{}, at '/class'", where), "class", f.smoothness, names);
+  }
+  read_rates(classes[f.smoothness]["rates"], f.expected);
+  if (entry.contains("expected")) read_rates(entry["expected"], f.expected);
+  return f;
+}
+
+}  // namespace koksma

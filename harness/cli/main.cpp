@@ -1,0 +1,71 @@
+// koksma: parse, run the verb, turn errors into messages and exit statuses.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <string>
+
+#include "cli/verbs.hpp"
+#include "error/error.hpp"
+#include "report/build_info.hpp"
+
+namespace {
+
+std::string joined(int argc, char** argv) {
+  std::string text = "koksma";
+  for (int i = 1; i < argc; ++i) text += fmt::format(" {}", argv[i]);
+  return text;
+}
+
+// The option, of the chosen verb or verbs, that is nearest to an argument that none of them knows.
+std::string nearest_option(const CLI::App& app, const std::string& argument) {
+  std::vector<std::string> known;
+  const auto chosen = app.get_subcommands();
+  for (const CLI::App* verb : chosen)
+    for (const CLI::Option* option : verb->get_options())
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  if (chosen.empty())
+    for (const CLI::App* verb : app.get_subcommands({})) known.push_back(verb->get_name());
+  return koksma::nearest_name(argument.substr(0, argument.find('=')), known);
+}
+
+int parse_failure(const CLI::App& app, const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+  std::string hint;
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+    std::string unknown;
+    auto remaining = app.remaining(true);
+    if (!remaining.empty()) unknown = remaining.front();
+    const std::string nearest = nearest_option(app, unknown);
+    if (!nearest.empty()) hint = fmt::format("; did you mean '{}'?", nearest);
+  }
+  fmt::print(stderr, "koksma: {}{}\nSee koksma --help, or --help after a verb.\n", error.what(), hint);
+  return koksma::kBadInput;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"koksma: error against run time of Monte Carlo and quasi-Monte Carlo integration through OpenCL"};
+  app.set_version_flag("--version", koksma::build_info().version);
+  app.require_subcommand(1);
+  koksma::Action action;
+  koksma::add_run(app, action, joined(argc, argv));
+  koksma::add_list(app, action);
+  koksma::add_explain(app, action);
+  koksma::add_points(app, action);
+  try {
+    app.parse(argc, argv);
+    return action();
+  } catch (const CLI::ParseError& error) {
+    return parse_failure(app, error);
+  } catch (const koksma::InputError& error) {
+    fmt::print(stderr, "koksma: {}\n", error.what());
+    return koksma::kBadInput;
+  } catch (const koksma::NoDeviceError& error) {
+    fmt::print(stderr, "koksma: {}\n", error.what());
+    return koksma::kNoDevice;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "koksma: {}\n", error.what());
+    return koksma::kCellFailed;
+  }
+}

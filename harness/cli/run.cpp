@@ -1,0 +1,170 @@
+// koksma run: study -> plans -> build everything -> time everything -> journal -> results.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "cli/verbs.hpp"
+#include "error/error.hpp"
+#include "estimate/measure.hpp"
+#include "journal/journal.hpp"
+#include "report/results.hpp"
+#include "report/table.hpp"
+
+namespace koksma {
+namespace {
+
+struct RunOptions {
+  std::string study, device, out, directions;
+  std::vector<std::string> integrands;
+  StudyFlags flags;
+  bool resume = false, quiet = false;
+};
+
+// One cell on its way: taken from the journal, ready to run, or refused with a reason.
+struct Slot {
+  Json identity;
+  std::optional<Json> json;
+  std::unique_ptr<PreparedCell> prepared;
+};
+
+CellResult refused(const Cell& cell, CellStatus status, const std::string& reason) {
+  CellResult result;
+  result.cell = cell;
+  result.status = status;
+  result.reason = reason;
+  result.rate.reason = "the cell did not run";
+  result.verdict.verdict = "no-rate";
+  result.verdict.reason = result.rate.reason;
+  return result;
+}
+
+class Run {
+ public:
+  Run(const RunOptions& options, const Catalog& catalog, const Study& study, Device& device, Journal& journal)
+      : options_(options), catalog_(catalog), study_(study), device_(device), journal_(journal),
+        progress_(stderr, study.cells.size(), options.quiet) {}
+
+  // JSON of every cell, in the study's order.
+  Json cells() {
+    Device exact_device = Device::choose_exact(device_);
+    for (const Cell& cell : study_.cells) slots_.push_back(prepare(cell, exact_device));
+    Json cells = Json::array();
+    for (std::size_t i = 0; i < slots_.size(); ++i) cells.push_back(finish(study_.cells[i], slots_[i]));
+    progress_.clear();
+    return cells;
+  }
+
+  bool failed() const { return failed_; }
+
+ private:
+  Slot prepare(const Cell& cell, Device& exact_device) {
+    Slot slot;
+    slot.identity = cell_identity(cell);
+    if (const auto finished = journal_.finished(slot.identity)) {
+      slot.json = *finished;
+      return slot;
+    }
+    progress_.stage(fmt::format("building {} with {}", cell.scene.text, cell.sampler));
+    try {
+      Plan plan = make_plan(catalog_, cell, device_.facts(), options_.directions);
+      slot.prepared = std::make_unique<PreparedCell>(catalog_, device_, exact_device, std::move(plan));
+    } catch (const UnsupportedError& error) {
+      slot.json = cell_to_json(catalog_, refused(cell, CellStatus::unsupported, error.what()), nullptr);
+    } catch (const BuildError& error) {
+      fail(slot, cell, error.what());
+    } catch (const DeviceError& error) {
+      fail(slot, cell, error.what());
+    }
+    return slot;
+  }
+
+  void fail(Slot& slot, const Cell& cell, const std::string& reason) {
+    failed_ = true;
+    progress_.clear();
+    fmt::print(stderr, "koksma: {} with {}: {}\n", cell.scene.text, cell.sampler, reason);
+    slot.json = cell_to_json(catalog_, refused(cell, CellStatus::failed, reason), nullptr);
+  }
+
+  Json finish(const Cell& cell, Slot& slot) {
+    if (slot.prepared != nullptr) {
+      progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
+      try {
+        slot.json = cell_to_json(catalog_, slot.prepared->run(), &slot.prepared->plan());
+        journal_.append(slot.identity, *slot.json);
+      } catch (const BuildError& error) {
+        fail(slot, cell, error.what());
+      } catch (const DeviceError& error) {
+        fail(slot, cell, error.what());
+      }
+      slot.prepared.reset();
+    }
+    const Json& json = *slot.json;
+    const bool has_error = !json["rows"].empty() && json["rows"].back()["rmse"].is_number();
+    progress_.finished(fmt::format("{} with {}: {}", cell.scene.text, cell.sampler,
+                                   has_error ? fmt::format("RMSE {:.2e}", json["rows"].back()["rmse"].get<double>())
+                                             : json["status"].get<std::string>()));
+    return json;
+  }
+
+  const RunOptions& options_;
+  const Catalog& catalog_;
+  const Study& study_;
+  Device& device_;
+  Journal& journal_;
+  Progress progress_;
+  std::vector<Slot> slots_;
+  bool failed_ = false;
+};
+
+int run(const RunOptions& options, const std::string& command_line) {
+  const Catalog catalog = load_catalog(options.integrands);
+  StudyFlags flags = options.flags;
+  flags.own_directions = !options.directions.empty();
+  const Study study = read_study(catalog, options.study, flags);
+  Device device = Device::choose(options.device);
+
+  std::string out = options.out;
+  if (out.empty()) {
+    out = "results/latest.json";
+    std::error_code ignored;
+    std::filesystem::create_directories("results", ignored);
+  }
+  const Json context = make_context(device.facts(), study, command_line);
+  Journal journal(out, resume_context(context), options.resume);
+  if (!options.quiet && journal.taken_over() > 0)
+    fmt::print(stderr, "{} finished cells taken over from {}\n", journal.taken_over(), journal.path());
+
+  Run work(options, catalog, study, device, journal);
+  const Json results = make_results(context, work.cells());
+  write_results(results, out);
+  journal.remove();
+  if (!options.quiet) fmt::print("{}\nresults: {}\n", results_table(results), out);
+  return work.failed() ? kCellFailed : kAllOk;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Action& action, const std::string& command_line) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* verb = app.add_subcommand("run", "Run a study: error against N and against time, as a table and as JSON");
+  verb->add_option("study", options->study, "study file; without one, the default study")->option_text("STUDY.json");
+  verb->add_option("--scene", options->flags.scenes, "NAME or NAME:d=8,key=value (see koksma list scenes); repeatable")->allow_extra_args(false);
+  verb->add_option("--sampler", options->flags.samplers, "a sampler (see koksma list samplers); repeatable")->allow_extra_args(false);
+  verb->add_option("--estimator", options->flags.estimator, "mc, qmc or rqmc; default: what fits the sampler");
+  verb->add_option("--n", options->flags.n, "sample counts: 2^8..2^20, 1000, or a list with commas");
+  verb->add_option("--replicates", options->flags.replicates, "independent randomizations per N")->check(CLI::Range(1, 65536));
+  verb->add_option("--precision", options->flags.precision, "fp32 or fp64; default: fp64 where the device has it")->check(CLI::IsMember({"fp32", "fp64"}));
+  verb->add_option("--sum", options->flags.sum, "summation algorithm: naive, kahan, double");
+  verb->add_option("--seed", options->flags.seed, "seed of all randomizations");
+  verb->add_option("--device", options->device, "P:D or part of a name (see koksma list devices); default: PoCL");
+  verb->add_option("--out", options->out, "results file; default: results/latest.json")->option_text("FILE.json");
+  verb->add_option("--integrand", options->integrands, "an integrand of your own: F.json with F.cl beside it; repeatable")->allow_extra_args(false);
+  verb->add_option("--directions", options->directions, "Sobol' direction numbers in Joe and Kuo's format")->option_text("FILE");
+  verb->add_flag("--resume", options->resume, "take over the finished cells of an interrupted run");
+  verb->add_flag("--quiet", options->quiet, "no table and no progress");
+  verb->callback([options, &action, command_line] { action = [options, command_line] { return run(*options, command_line); }; });
+}
+
+}  // namespace koksma

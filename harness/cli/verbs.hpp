@@ -1,0 +1,21 @@
+// The verbs of the command line, one file each. A verb adds its options to the application and, when it is the one
+// that was asked for, sets the action to run after parsing; the action returns the exit status.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+namespace koksma {
+
+using Action = std::function<int()>;
+
+// Exit statuses (1-product).
+inline constexpr int kAllOk = 0, kCellFailed = 1, kBadInput = 2, kNoDevice = 3;
+
+void add_run(CLI::App& app, Action& action, const std::string& command_line);
+void add_list(CLI::App& app, Action& action);
+void add_explain(CLI::App& app, Action& action);
+void add_points(CLI::App& app, Action& action);
+
+}  // namespace koksma

@@ -1,0 +1,20 @@
+// Exact values of a scene and its coefficient table, computed in fp64 on a CPU device.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "device/device.hpp"
+
+namespace koksma {
+
+struct ExactValues {
+  std::optional<double> mean, variance, mean_abs;
+  std::vector<double> coefficients;  // [dimension][coefficient]
+};
+
+// Runs the integrand's exact program. Quantities that the entry says do not exist stay empty; infinite ones too.
+// "table" entries are looked up among the entry's checks (same d and parameters).
+ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene);
+
+}  // namespace koksma

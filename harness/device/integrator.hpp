@@ -1,0 +1,62 @@
+// Runs a plan on a device: uploads once, launches per N, hands out partial sums.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "device/device.hpp"
+
+namespace koksma {
+
+// Partial sums of one word of one replicate, in no promised grouping: their exact sum is what counts.
+using PartialSums = std::function<void(std::uint32_t word, std::uint32_t replicate, std::span<const double> partials)>;
+
+class Integrator {
+ public:
+  // Builds the program, builds and uploads the tables. `coefficients` in double, rounded here to the precision.
+  Integrator(Device& device, const Plan& plan, const std::vector<double>& coefficients);
+
+  // Sums samples 0 … n-1 of every replicate of the plan; y0 is subtracted before squaring. Returns the seconds that
+  // the kernels ran by the device's clock. Memory use does not depend on n.
+  double run(std::uint64_t n, double y0, const PartialSums& take);
+  // The same for replicates 0 … replicates-1 only, and for blocks first_block … end_block-1 of 2^log2_block samples.
+  double run_blocks(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block, std::uint64_t end_block,
+                    std::uint32_t replicates, double y0, const PartialSums& take);
+
+  // f at the first 16 points of replicate 0.
+  std::vector<double> first_values();
+  // Non-finite samples among the first n of all replicates; builds the counting kernel on first use.
+  std::uint64_t count_nonfinite(const Catalog& catalog, std::uint64_t n);
+
+  double build_s() const { return build_s_; }
+  double setup_s() const { return setup_s_; }
+  std::size_t table_bytes() const { return table_bytes_; }
+  std::size_t coefficient_bytes() const { return coefficient_bytes_; }
+  std::uint32_t log2_block(std::uint64_t n) const;
+
+ private:
+  struct Launch {
+    std::uint64_t n, first_block, blocks;
+    std::uint32_t log2_block, first_replicate, replicates;
+    double y0;
+  };
+  double launch(cl::Kernel& kernel, const Launch& launch);
+  void read_partials(const Launch& launch, const PartialSums& take);
+  template <typename Body>
+  double for_each_launch(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block, std::uint64_t end_block,
+                         std::uint32_t replicates, double y0, cl::Kernel& kernel, Body&& body);
+
+  Device& device_;
+  const Plan& plan_;
+  cl::Kernel kernel_, counting_kernel_;
+  cl::Buffer table_, values_, coefficients_, out_, counts_;
+  std::size_t out_bytes_ = 0;
+  std::vector<std::byte> raw_;
+  std::vector<double> doubles_;
+  double build_s_ = 0, setup_s_ = 0;
+  std::size_t table_bytes_ = 0, coefficient_bytes_ = 0;
+};
+
+}  // namespace koksma

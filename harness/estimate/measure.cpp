@@ -1,0 +1,189 @@
+#include "estimate/measure.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace koksma {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Repeat to 20 ms or 5 times, whichever comes first.
+constexpr double kRepeatSeconds = 0.020;
+constexpr std::size_t kRepeatCount = 5;
+constexpr double kSmallestResolved = 30;  // n_eff below which the normal approximation is not believed
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double quantile_of(const std::vector<double>& sorted, double p) {
+  const double position = p * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(position);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return sorted[below] + (position - static_cast<double>(below)) * (sorted[above] - sorted[below]);
+}
+
+TimeStatistics summarise_times(std::vector<double> times) {
+  std::sort(times.begin(), times.end());
+  return {quantile_of(times, 0.5), times.front(), quantile_of(times, 0.75) - quantile_of(times, 0.25), times.size()};
+}
+
+double median_of_finite(std::vector<double> values) {
+  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }), values.end());
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return quantile_of(values, 0.5);
+}
+
+// N (E|f|)^2 / E f^2, where the moments are known.
+std::optional<double> effective_samples(const ExactValues& exact, std::uint64_t n) {
+  if (!exact.mean || !exact.variance || !exact.mean_abs) return std::nullopt;
+  const double second_moment = *exact.variance + *exact.mean * *exact.mean;
+  if (second_moment <= 0) return std::nullopt;
+  return static_cast<double>(n) * *exact.mean_abs * *exact.mean_abs / second_moment;
+}
+
+bool declares(const std::vector<std::string>& values, std::string_view value) {
+  return std::find(values.begin(), values.end(), value) != values.end();
+}
+
+RateFit fit(const CellResult& result, const Plan& plan) {
+  std::vector<ConvergenceRow> rows;
+  for (const Row& row : result.rows) {
+    ConvergenceRow r;
+    r.samples = row.n;
+    for (const double q : row.estimates) r.errors.push_back(q - *result.exact.mean);
+    r.floor = rounding_floor(plan, result.exact, row.n);
+    r.mean_abs = result.exact.mean_abs;
+    r.n_eff = effective_samples(result.exact, row.n);
+    rows.push_back(std::move(r));
+  }
+  return fit_rate(rows);
+}
+
+}  // namespace
+
+std::string_view status_name(CellStatus status) {
+  switch (status) {
+    case CellStatus::ok:
+      return "ok";
+    case CellStatus::skipped:
+      return "skipped";
+    case CellStatus::unsupported:
+      return "unsupported";
+    case CellStatus::failed:
+      break;
+  }
+  return "failed";
+}
+
+double rounding_floor(const Plan& plan, const ExactValues& exact, std::uint64_t n) {
+  const double scale = exact.mean_abs ? *exact.mean_abs : exact.mean ? std::fabs(*exact.mean) : 0;
+  const double evaluation = plan.fp64() ? 0x1p-53 : 0x1p-24;
+  const double accumulator = plan.stores_doubles() ? 0x1p-53 : 0x1p-24;
+  const double per_lane = std::min(static_cast<double>(n), std::ldexp(1.0, static_cast<int>(log2_block_length(n)))) / 16;
+  const double additions = plan.sum->words > 1 ? 1 : std::max(per_lane, 1.0);
+  return scale * (4 * evaluation + std::sqrt(additions) * accumulator);
+}
+
+// One accumulator per replicate and moment.
+struct PreparedCell::Sums {
+  std::vector<ExactSum> values, squares;
+  bool nonfinite = false;
+};
+
+PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact_device, Plan plan)
+    : catalog_(catalog), plan_(std::make_unique<Plan>(std::move(plan))) {
+  exact_ = compute_exact(exact_device, *plan_->integrand, plan_->cell.scene);
+  const auto start = Clock::now();
+  integrator_ = std::make_unique<Integrator>(device, *plan_, exact_.coefficients);
+  // The first launch finishes compilation on some implementations (PoCL): warm up here, before anything is timed.
+  y0_ = median_of_finite(integrator_->first_values());
+  if (!plan_->stores_doubles()) y0_ = static_cast<float>(y0_);
+  if (plan_->estimator->moments == 1) y0_ = 0;
+  build_s_ = seconds_since(start) - integrator_->setup_s();
+}
+
+double PreparedCell::once(std::uint64_t n, Sums& sums) {
+  const std::uint32_t replicates = plan_->cell.replicates;
+  sums.values.assign(replicates, ExactSum{});
+  sums.squares.assign(plan_->estimator->moments == 2 ? replicates : 0, ExactSum{});
+  return integrator_->run(n, y0_, [&](std::uint32_t word, std::uint32_t r, std::span<const double> partials) {
+    (word < plan_->sum->words ? sums.values : sums.squares)[r].add(partials);
+  });
+}
+
+Row PreparedCell::run_row(std::uint64_t n) {
+  Row row;
+  row.n = n;
+  row.log2_block = integrator_->log2_block(n);
+  row.grid_limited = n > std::uint64_t{1} << plan_->coordinate_bits;
+  Sums sums;
+  std::vector<double> kernel, wall;
+  double spent = 0;
+  while (kernel.empty() || (kernel.size() < kRepeatCount && spent < kRepeatSeconds)) {
+    const auto start = Clock::now();
+    kernel.push_back(once(n, sums));
+    wall.push_back(seconds_since(start));
+    spent += wall.back();
+  }
+  row.kernel = summarise_times(std::move(kernel));
+  row.wall = summarise_times(std::move(wall));
+  summarise(sums, row);
+  return row;
+}
+
+void PreparedCell::summarise(const Sums& sums, Row& row) {
+  std::vector<double> variances;
+  bool faulty = false;
+  for (std::size_t r = 0; r < sums.values.size(); ++r) {
+    faulty = faulty || sums.values[r].nonfinite() > 0;
+    row.estimates.push_back(sums.values[r].rounded_quotient(row.n));
+    if (sums.squares.empty()) continue;
+    const double unit = plan_->stores_doubles() ? 0x1p-53 : 0x1p-24;
+    const auto variance = sample_variance(row.n, sums.values[r], sums.squares[r], y0_, unit);
+    if (variance) variances.push_back(*variance);
+  }
+  if (faulty) row.nonfinite = integrator_->count_nonfinite(catalog_, row.n);
+  row.errors = summarise_errors(row.estimates, exact_.mean);
+  row.estimate = summarise_estimate(*plan_->estimator, {row.estimates, variances, row.n});
+  if (!declares(plan_->sampler->validity, "iid")) {
+    row.mc_test.reason = "the samples are not independent";
+    return;
+  }
+  const auto n_eff = effective_samples(exact_, row.n);
+  if (!exact_.mean || !exact_.variance || !(*exact_.variance > 0)) {
+    row.mc_test.reason = "no exact variance";
+  } else if (n_eff && *n_eff < kSmallestResolved) {
+    row.mc_test.reason = "unresolved: n_eff below 30";
+  } else if (!faulty) {
+    std::vector<double> errors;
+    for (const double q : row.estimates) errors.push_back(q - *exact_.mean);
+    row.mc_test = test_mc_variance(errors, row.n, *exact_.variance, std::nullopt);
+  } else {
+    row.mc_test.reason = "non-finite samples";
+  }
+}
+
+CellResult PreparedCell::run() {
+  CellResult result;
+  result.cell = plan_->cell;
+  result.exact = exact_;
+  result.build_s = build_s_;
+  result.setup_s = integrator_->setup_s();
+  result.table_bytes = integrator_->table_bytes();
+  result.coefficient_bytes = integrator_->coefficient_bytes();
+  for (const std::uint64_t n : plan_->cell.n) result.rows.push_back(run_row(n));
+  result.floor = rounding_floor(*plan_, exact_, plan_->cell.n.back());
+  if (exact_.mean) {
+    result.rate = fit(result, *plan_);
+  } else {
+    result.rate.reason = "no exact value";
+  }
+  const auto& expected = plan_->integrand->expected;
+  const auto found = expected.find(plan_->sampler->rate_class);
+  result.verdict = judge(result.rate, found == expected.end() ? std::nullopt : std::optional(found->second), plan_->cell.scene.dim);
+  return result;
+}
+
+}  // namespace koksma

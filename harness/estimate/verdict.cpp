@@ -1,0 +1,54 @@
+// Verdict on a fitted rate; declared in convergence.hpp.
+#include <cmath>
+#include <string>
+
+#include "estimate/convergence.hpp"
+
+namespace koksma {
+
+namespace {
+
+// ln 2^12: the middle of N ∈ [2^8, 2^16], on which the gates were measured (page 5, section 1.9).
+const double kLogMiddleSamples = 12 * std::log(2.0);
+
+// Why a gate does not apply to this fit; empty if it does.
+std::string why_not_gated(const RateFit& rate, const ExpectedRate& expected, unsigned d) {
+  if (!expected.gate_max_d) return "no gate";
+  if (d > *expected.gate_max_d) return "the dimension is above the gate";
+  if (rate.deterministic) return "deterministic: no interval";
+  if (rate.heavy_tailed) return "heavy-tailed errors";
+  if (rate.replicates < kGateReplicates) return "fewer than 32 replicates";
+  return "";
+}
+
+}  // namespace
+
+RateVerdict judge(const RateFit& rate, const std::optional<ExpectedRate>& expected, unsigned d) {
+  RateVerdict result;
+  if (expected) {
+    result.expected = expected->constant + expected->per_dimension / d;
+    if (expected->gate_max_d) {
+      const double correction = expected->log_correction ? (d - 1) / (2 * kLogMiddleSamples) : 0;
+      result.target = *result.expected + correction;
+    }
+  }
+  if (!rate.slope) {
+    result.verdict = "no-rate";
+    result.reason = rate.reason;
+    return result;
+  }
+  if (!expected) {
+    result.verdict = "no-theory";
+    return result;
+  }
+  result.reason = why_not_gated(rate, *expected, d);
+  if (!result.reason.empty()) {
+    result.verdict = "reported";
+    return result;
+  }
+  const double distance = std::fabs(*rate.slope - *result.target);
+  result.verdict = distance <= expected->gate_tolerance ? "within-gate" : "outside-gate";
+  return result;
+}
+
+}  // namespace koksma

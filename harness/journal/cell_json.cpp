@@ -1,0 +1,184 @@
+#include "journal/cell_json.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "estimate/efficiency.hpp"
+
+namespace koksma {
+namespace {
+
+Json interval_json(const std::optional<Interval>& interval) {
+  if (!interval) return nullptr;
+  return Json::array({number_or_null(interval->low), number_or_null(interval->high)});
+}
+
+Json exact_json(const std::optional<double>& value, const ExactSource& source) {
+  Json result;
+  result["value"] = number_or_null(value);
+  result["digits"] = value ? Json(fmt::format("{:.17g}", *value)) : Json(nullptr);
+  result["source"] = source.source;
+  return result;
+}
+
+Json scene_json(const Catalog& catalog, const CellResult& result) {
+  const Integrand& f = catalog.integrand(result.cell.scene.integrand, "scene");
+  Json scene;
+  scene["text"] = result.cell.scene.text;
+  scene["integrand"] = f.name;
+  scene["d"] = result.cell.scene.dim;
+  scene["parameters"] = Json::object();
+  for (std::size_t i = 0; i < f.parameters.size(); ++i) scene["parameters"][f.parameters[i].name] = result.cell.scene.parameters[i];
+  scene["class"] = f.smoothness;
+  scene["exact"]["mean"] = exact_json(result.exact.mean, f.mean);
+  scene["exact"]["variance"] = exact_json(result.exact.variance, f.variance);
+  scene["exact"]["mean_abs"] = exact_json(result.exact.mean_abs, f.mean_abs);
+  return scene;
+}
+
+Json time_json(const TimeStatistics& t) {
+  return {{"median", t.median}, {"min", t.min}, {"spread", t.spread}, {"count", t.count}};
+}
+
+Json mc_test_json(const McTest& test) {
+  if (!test.applicable) return {{"applicable", false}, {"reason", test.reason}};
+  return {{"applicable", true},
+          {"statistic", number_or_null(test.statistic)},
+          {"degrees_of_freedom", test.replicates},
+          {"p_value", number_or_null(test.p_value)}};
+}
+
+Json row_json(const Row& row, const CellResult& result) {
+  const double samples = static_cast<double>(row.n) * result.cell.replicates;
+  const double seconds = row.kernel.median / result.cell.replicates;  // of one replicate
+  const ErrorStatistics& e = row.errors;
+  Json json;
+  json["n"] = row.n;
+  json["log2_block"] = row.log2_block;
+  json["estimate"] = number_or_null(row.estimate.value);
+  json["standard_error"] = number_or_null(row.estimate.standard_error);
+  json["interval"] = interval_json(row.estimate.interval);
+  json["interval_reason"] = row.estimate.reason;
+  json["rmse"] = number_or_null(e.rmse);
+  json["rmse_interval"] = e.rmse_low && e.rmse_high ? interval_json(Interval{*e.rmse_low, *e.rmse_high}) : Json(nullptr);
+  json["rmse_interval_method"] = e.rmse_interval_method;
+  json["median_abs_error"] = number_or_null(e.median_abs);
+  json["bias"] = number_or_null(e.bias);
+  json["sd"] = number_or_null(e.sd);
+  json["rho"] = number_or_null(e.rho);
+  json["heavy_tailed"] = e.heavy_tailed;
+  json["mc_chi2"] = mc_test_json(row.mc_test);
+  json["nonfinite"] = row.nonfinite;
+  json["grid_limited"] = row.grid_limited;
+  json["kernel_s"] = time_json(row.kernel);
+  json["wall_s"] = time_json(row.wall);
+  json["seconds_per_replicate"] = seconds;
+  json["samples_per_s"] = row.kernel.median > 0 ? Json(samples / row.kernel.median) : Json(nullptr);
+  json["coordinates_per_s"] = row.kernel.median > 0 ? Json(samples * result.cell.scene.dim / row.kernel.median) : Json(nullptr);
+  json["efficiency"] = e.rmse ? number_or_null(efficiency(*e.rmse, seconds)) : Json(nullptr);
+  json["variance_reduction"] =
+      e.rmse && result.exact.variance ? number_or_null(variance_reduction(*result.exact.variance, row.n, *e.rmse)) : Json(nullptr);
+  return json;
+}
+
+Json convergence_json(const CellResult& result, const ExpectedRate* expected) {
+  const RateFit& rate = result.rate;
+  Json json;
+  json["rate"] = number_or_null(rate.slope);
+  json["interval"] = interval_json(rate.interval);
+  json["reason"] = rate.reason;
+  json["median_rate"] = number_or_null(rate.median_slope);
+  json["median_interval"] = interval_json(rate.median_interval);
+  json["heavy_tailed"] = rate.heavy_tailed;
+  json["deterministic"] = rate.deterministic;
+  json["rows_used"] = rate.used;
+  json["rows_excluded"] = Json::array();
+  for (const ExcludedRow& row : rate.excluded) json["rows_excluded"].push_back({{"n", row.samples}, {"reason", row.reason}});
+  json["local_slopes"] = Json::array();
+  for (const LocalSlope& s : rate.local_slopes) json["local_slopes"].push_back({{"from", s.from}, {"to", s.to}, {"slope", number_or_null(s.slope)}});
+  json["expected"] = number_or_null(result.verdict.expected);
+  json["target"] = number_or_null(result.verdict.target);
+  json["source"] = expected == nullptr ? "" : expected->source;
+  json["verdict"] = result.verdict.verdict;
+  json["verdict_reason"] = result.verdict.reason;
+  return json;
+}
+
+// Kernel time of one replicate to each relative tolerance (of |I|, or absolute where I = 0).
+Json efficiency_json(const CellResult& result) {
+  Json json = {{"relative_to", nullptr}, {"time_to_tolerance", Json::array()}};
+  if (!result.exact.mean) return json;
+  const double scale = *result.exact.mean != 0 ? std::fabs(*result.exact.mean) : 1;
+  json["relative_to"] = scale;
+  std::vector<TimePoint> points;
+  for (const Row& row : result.rows)
+    if (row.errors.rmse) points.push_back({row.kernel.median / result.cell.replicates, *row.errors.rmse});
+  for (int digits = 1; digits <= 12; ++digits) {
+    const double tolerance = std::pow(10.0, -digits);
+    const TimeToTolerance t = time_to_tolerance(points, tolerance * scale);
+    json["time_to_tolerance"].push_back({{"tolerance", tolerance}, {"seconds", number_or_null(t.seconds)}, {"extrapolated", t.extrapolated}, {"reason", t.reason}});
+  }
+  return json;
+}
+
+Json plan_json(const CellResult& result, const Plan& plan) {
+  Json json;
+  json["dimensions_drawn"] = plan.request.dim;
+  json["coordinate_bits"] = plan.coordinate_bits;
+  json["table_bytes"] = result.table_bytes;
+  json["coefficient_bytes"] = result.coefficient_bytes;
+  json["lanes_per_item"] = plan.shape.lanes_per_item;
+  json["local_size"] = plan.shape.local_size;
+  json["moments"] = plan.estimator->moments;
+  json["build_options"] = plan.program.options;
+  json["left_out"] = Json::array();
+  for (const LeftOut& item : plan.left_out) json["left_out"].push_back({{"what", item.what}, {"why", item.why}});
+  return json;
+}
+
+}  // namespace
+
+Json number_or_null(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+Json cell_identity(const Cell& cell) {
+  Json json;
+  json["scene"] = cell.scene.text;
+  json["sampler"] = cell.sampler;
+  json["estimator"] = cell.estimator;
+  json["precision"] = cell.precision ? Json(precision_name(*cell.precision)) : Json(nullptr);
+  json["sum"] = cell.sum;
+  json["n"] = cell.n;
+  json["replicates"] = cell.replicates;
+  json["seed"] = cell.seed;
+  return json;
+}
+
+Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* plan) {
+  Json json;
+  json["scene"] = scene_json(catalog, result);
+  json["sampler"] = result.cell.sampler;
+  json["estimator"] = result.cell.estimator;
+  const auto precision = plan != nullptr ? std::optional(plan->precision) : result.cell.precision;
+  json["precision"] = precision ? Json(precision_name(*precision)) : Json(nullptr);
+  json["sum"] = plan != nullptr ? plan->sum->name : result.cell.sum;
+  json["replicates"] = result.cell.replicates;
+  json["seed"] = result.cell.seed;
+  json["status"] = status_name(result.status);
+  json["reason"] = result.reason;
+  json["plan"] = plan != nullptr ? plan_json(result, *plan) : Json(nullptr);
+  json["build_s"] = result.build_s;
+  json["setup_s"] = result.setup_s;
+  json["rounding_floor"] = number_or_null(result.floor);
+  json["rows"] = Json::array();
+  for (const Row& row : result.rows) json["rows"].push_back(row_json(row, result));
+  const Integrand& f = catalog.integrand(result.cell.scene.integrand, "scene");
+  const auto expected = f.expected.find(catalog.sampler(result.cell.sampler, "sampler").rate_class);
+  json["convergence"] = convergence_json(result, expected == f.expected.end() ? nullptr : &expected->second);
+  json["efficiency"] = efficiency_json(result);
+  return json;
+}
+
+}  // namespace koksma

@@ -1,0 +1,94 @@
+#include "plan/compose.hpp"
+
+#include <fmt/format.h>
+
+#include "catalog/embedded.hpp"
+
+namespace koksma {
+namespace {
+
+// CL1.2 is what every implementation has; -w keeps vector code's unused-function warnings off the terminal.
+constexpr const char* kOptions = "-cl-std=CL1.2 -w";
+
+void append_piece(std::string& text, const SourceFile& piece) {
+  text += fmt::format("#line 1 \"{}\"\n{}\n", piece.path, piece.text);
+}
+
+void append_embedded(std::string& text, const char* path) {
+  append_piece(text, {path, std::string(embedded_text(path))});
+}
+
+// struct params and its loader, from the entry's parameters.
+std::string params_source(const Integrand& f, const char* type) {
+  std::string members, loads;
+  for (std::size_t i = 0; i < f.parameters.size(); ++i) {
+    members += fmt::format("  {} {};\n", type, f.parameters[i].name);
+    loads += fmt::format("  q.{} = values[{}];\n", f.parameters[i].name, i);
+  }
+  if (f.parameters.empty()) members = fmt::format("  {} unused;\n", type);
+  if (f.parameters.empty()) loads = "  q.unused = 0;\n";
+  return fmt::format(
+      "#line 1 \"generated: parameters of {}\"\ntypedef struct {{\n{}}} params;\n"
+      "static inline params load_params(__global const {} *values) {{\n  params q;\n{}  return q;\n}}\n",
+      f.name, members, type, loads);
+}
+
+std::string defines_source(const Plan& plan, ProgramKind kind) {
+  std::string text;
+  const auto define = [&](const std::string& name, std::int64_t value) { text += fmt::format("#define {} {}\n", name, value); };
+  define("KOKSMA_LANES_PER_ITEM", plan.shape.lanes_per_item);
+  define("KOKSMA_FP64", plan.fp64() ? 1 : 0);
+  define("KOKSMA_DIM", plan.request.dim);
+  define("KOKSMA_CENTRED", plan.sampler->centred ? 1 : 0);
+  define("KOKSMA_LOCAL_SIZE", plan.shape.local_size);
+  for (const auto& [name, value] : plan.sampler->defines) define(name, value);
+  if (kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite) {
+    define("KOKSMA_MOMENTS", plan.estimator->moments);
+    define("KOKSMA_SUM_WORDS", plan.sum->words);
+    define("KOKSMA_COUNT_NONFINITE", kind == ProgramKind::count_nonfinite ? 1 : 0);
+  } else {
+    define("KOKSMA_WITH_INTEGRAND", kind == ProgramKind::inspect_scene ? 1 : 0);
+  }
+  return text;
+}
+
+}  // namespace
+
+ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind) {
+  const bool integrates = kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite;
+  std::string text = defines_source(plan, kind);
+  append_embedded(text, "kernels/prelude.cl");
+  if (integrates) append_piece(text, plan.sum->code);
+  append_piece(text, catalog.family(plan.sampler->family).code);
+  if (kind != ProgramKind::inspect) {
+    for (const std::string& name : plan.integrand->transforms) append_piece(text, catalog.transform(name).code);
+    text += params_source(*plan.integrand, "scalar");
+    append_piece(text, plan.integrand->code);
+  }
+  append_embedded(text, integrates ? "kernels/integrate.cl" : "kernels/inspect.cl");
+  const std::string scene = plan.integrand == nullptr ? "points" : plan.integrand->name;
+  return {fmt::format("the kernel of {} with {}", scene, plan.sampler->name), std::move(text), kOptions};
+}
+
+ProgramSource counting_program(const Catalog& catalog, const Plan& plan) {
+  return compose(catalog, plan, ProgramKind::count_nonfinite);
+}
+
+ProgramSource inspect_program(const Catalog& catalog, const Plan& plan, bool with_integrand) {
+  return compose(catalog, plan, with_integrand ? ProgramKind::inspect_scene : ProgramKind::inspect);
+}
+
+ProgramSource exact_program(const Integrand& f) {
+  std::string text = "#define KOKSMA_EXACT 1\n#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n";
+  using Kind = ExactSource::Kind;
+  if (f.mean.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN 1\n";
+  if (f.variance.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIANCE 1\n";
+  if (f.mean_abs.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN_ABS 1\n";
+  if (!f.coefficients.empty()) text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", f.coefficients.size());
+  text += params_source(f, "double");
+  append_piece(text, f.code);
+  append_embedded(text, "kernels/exact.cl");
+  return {fmt::format("the exact values of {}", f.name), std::move(text), kOptions};
+}
+
+}  // namespace koksma

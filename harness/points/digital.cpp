@@ -1,0 +1,126 @@
+// Tables of the digital family (kernels/points/digital.cl): generating matrices, their scrambles, shifts and keys.
+#include <algorithm>
+#include <bit>
+
+#include "error/error.hpp"
+#include "points/sobol.hpp"
+#include "points/tables.hpp"
+
+namespace koksma {
+namespace {
+
+constexpr std::uint32_t kHeader = 8;
+constexpr std::uint32_t kLanes = 16;
+
+std::uint64_t reverse_bits(std::uint64_t x) {
+  std::uint64_t result = 0;
+  for (int i = 0; i < 64; ++i, x >>= 1) result = result << 1 | (x & 1);
+  return result;
+}
+
+// How a 64-bit fraction is kept on the device: mantissa bits in place, or reversed for hashing.
+struct WordForm {
+  bool fp64 = true;
+  bool reversed = false;
+
+  std::uint64_t operator()(std::uint64_t fraction) const {
+    if (reversed) return fp64 ? reverse_bits(fraction) : reverse_bits(fraction) & 0xFFFFFFFFu;
+    return fp64 ? fraction >> 12 : fraction >> 41;
+  }
+  // The pattern of 1.0, which makes a mantissa a float in [1,2); hashed words get it on the device.
+  std::uint64_t one() const { return reversed ? 0 : fp64 ? 0x3FF0000000000000u : 0x3F800000u; }
+};
+
+// Random linear scramble (Matousek 1998): every column becomes L c, L lower triangular with unit diagonal, one L per
+// replicate and dimension, on all 64 digits.
+GeneratingMatrices scrambled(const GeneratingMatrices& plain, std::uint64_t seed, std::uint32_t replicate) {
+  GeneratingMatrices result = plain;
+  for (std::uint32_t d = 0; d < plain.dim; ++d) {
+    std::uint64_t columns_of_l[64];
+    for (std::uint32_t k = 0; k < 64; k += 2) {
+      const RandomPair random = random_pair(seed, k / 2, replicate, RandomPurpose::linear_scramble, d);
+      const std::uint64_t words[2] = {random.first, random.second};
+      for (std::uint32_t i = 0; i < 2; ++i) {
+        const std::uint64_t diagonal = std::uint64_t{1} << (63 - k - i);
+        columns_of_l[k + i] = diagonal | (words[i] & (diagonal - 1));
+      }
+    }
+    for (std::uint32_t k = 0; k < plain.columns; ++k) {
+      std::uint64_t& word = result.words[std::size_t{k} * plain.dim + d];
+      std::uint64_t product = 0;
+      for (std::uint64_t rest = word; rest != 0; rest &= rest - 1) product ^= columns_of_l[std::countl_zero(rest & -rest)];
+      word = product;
+    }
+  }
+  return result;
+}
+
+// Appends columns [c][D], steps [c - 4][D] and lanes [D][16] of one matrix set.
+void append_matrices(std::vector<std::uint64_t>& words, const GeneratingMatrices& m, const WordForm& form) {
+  const auto column = [&](std::uint32_t k, std::uint32_t d) { return m.words[std::size_t{k} * m.dim + d]; };
+  for (const std::uint64_t word : m.words) words.push_back(form(word));
+  for (std::uint32_t k = 4; k < m.columns; ++k)
+    for (std::uint32_t d = 0; d < m.dim; ++d) words.push_back(form(column(k, d) ^ column(3, d)));
+  for (std::uint32_t d = 0; d < m.dim; ++d) {
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+      std::uint64_t point = 0;
+      const std::uint32_t gray = lane ^ lane >> 1;
+      for (std::uint32_t k = 0; k < 4; ++k)
+        if ((gray >> k & 1) != 0) point ^= column(k, d);
+      words.push_back(form(point));
+    }
+  }
+}
+
+void append_starts(std::vector<std::uint64_t>& words, const PointRequest& request, const WordForm& form, bool shifted) {
+  for (std::uint32_t r = 0; r < request.replicates; ++r) {
+    for (std::uint32_t d = 0; d < request.dim; ++d) {
+      const std::uint64_t shift = shifted ? random_pair(request.seed, 0, r, RandomPurpose::digital_shift, d).first : 0;
+      words.push_back(form(shift) ^ form.one());
+    }
+  }
+}
+
+// Nested scrambling: an addend and an odd factor per replicate and dimension.
+void append_keys(std::vector<std::uint64_t>& words, const PointRequest& request) {
+  const std::uint64_t kept = request.fp64 ? ~std::uint64_t{0} : 0xFFFFFFFFu;
+  for (std::uint32_t r = 0; r < request.replicates; ++r) {
+    for (std::uint32_t d = 0; d < request.dim; ++d) {
+      const RandomPair key = random_pair(request.seed, 0, r, RandomPurpose::nested_scramble, d);
+      words.push_back(key.first & kept);
+      words.push_back((key.second | 1) & kept);
+    }
+  }
+}
+
+}  // namespace
+
+PointTable build_digital(const PointRequest& request) {
+  const std::string randomize = request.options.at("randomize");
+  const bool linear = randomize == "lms-shift", nested = randomize == "owen";
+  const auto needed = static_cast<std::uint32_t>(std::bit_width(request.end_index - 1));
+  const std::uint32_t columns = std::clamp(needed, 4u, kMaxSobolColumns);
+  const GeneratingMatrices plain = request.directions_file.empty()
+                                       ? sobol_matrices(request.dim, columns)
+                                       : sobol_matrices_from_file(request.directions_file, request.dim, columns);
+  const WordForm form{request.fp64, nested};
+
+  PointTable table;
+  std::vector<std::uint64_t>& words = table.words;
+  words.resize(kHeader);
+  const std::uint32_t matrix_sets = linear ? request.replicates : 1;
+  for (std::uint32_t r = 0; r < matrix_sets; ++r) append_matrices(words, linear ? scrambled(plain, request.seed, r) : plain, form);
+  const std::uint64_t matrix_size = (words.size() - kHeader) / matrix_sets;
+  const std::uint64_t starts = words.size();
+  append_starts(words, request, form, randomize == "shift" || linear);
+  const std::uint64_t keys = words.size();
+  if (nested) append_keys(words, request);
+
+  const std::uint64_t d = request.dim;
+  const std::uint64_t header[kHeader] = {linear ? matrix_size : 0, d,      kHeader, kHeader + columns * d,
+                                         kHeader + (2 * columns - 4) * d, starts, keys, 0};
+  std::copy(std::begin(header), std::end(header), words.begin());
+  return table;
+}
+
+}  // namespace koksma

@@ -1,0 +1,68 @@
+#include "report/results.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <ctime>
+
+#include "journal/journal.hpp"
+#include "report/build_info.hpp"
+
+namespace koksma {
+namespace {
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+}  // namespace
+
+Json make_context(const DeviceFacts& device, const Study& study, const std::string& command_line) {
+  const BuildInfo build = build_info();
+  Json context;
+  context["version"] = build.version;
+  context["revision"] = build.revision;
+  context["build_type"] = build.build_type;
+  context["compiler"] = build.compiler;
+  context["date"] = utc_now();
+  context["host"] = host_name();
+  context["command"] = command_line;
+  context["device"] = {{"name", device.name},         {"vendor", device.vendor},
+                       {"platform", device.platform}, {"driver", device.driver},
+                       {"version", device.version},   {"cpu", device.is_cpu},
+                       {"fp64", device.fp64},         {"compute_units", device.compute_units}};
+  context["seed"] = study.seed;
+  context["study"] = study.verbatim;
+  return context;
+}
+
+Json resume_context(const Json& context) {
+  Json result;
+  for (const char* key : {"version", "revision", "build_type", "compiler", "device"}) result[key] = context[key];
+  return result;
+}
+
+Json make_results(const Json& context, const Json& cells) {
+  Json results;
+  results["schema_version"] = kResultsSchemaVersion;
+  results["context"] = context;
+  results["cells"] = cells;
+  return results;
+}
+
+void write_results(const Json& results, const std::string& path) {
+  check_schema(results, "results/results.schema.json", path);
+  write_file_atomically(path, results.dump(1) + "\n");
+}
+
+}  // namespace koksma

@@ -1,0 +1,62 @@
+// A study: the list of cells to run, from a JSON file, from flags, or both. Everything that can be checked without
+// a device or a table is checked here, before any device work.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "catalog/catalog.hpp"
+
+namespace koksma {
+
+enum class Precision { fp32, fp64 };
+std::string_view precision_name(Precision precision);  // "fp32", "fp64"
+
+// One integration problem with everything fixed.
+struct Scene {
+  std::string integrand;
+  std::uint32_t dim = 1;
+  std::vector<double> parameters;  // in the order of the integrand's entry
+  std::string text;                // canonical spelling, NAME:d=D,key=value for what differs from the default
+};
+
+// scene x sampler x estimator x precision, and the sizes N to run it at.
+struct Cell {
+  Scene scene;
+  std::string sampler, estimator;
+  std::optional<Precision> precision;  // empty: the device's best
+  std::string sum;                     // empty: the best the device can run
+  std::vector<std::uint64_t> n;        // ascending
+  std::uint32_t replicates = 1;
+  std::uint64_t seed = 0;
+};
+
+struct Study {
+  std::string title;
+  std::uint64_t seed = 1;
+  std::vector<Cell> cells;
+  Json verbatim;  // the study as it was understood, flags merged in
+};
+
+// What the command line may set; empty members leave the study's value.
+struct StudyFlags {
+  std::vector<std::string> scenes, samplers;
+  std::string estimator, n, precision, sum;
+  std::optional<std::uint32_t> replicates;
+  std::optional<std::uint64_t> seed;
+  bool own_directions = false;  // --directions: the file sets the limit on d
+};
+
+// "NAME" or "NAME:key=value,…"; values are numbers or fractions a/b; the key d is the dimension.
+Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_view where);
+
+// "2^8..2^20" (every power of two between), "1000", "2^10", or a comma-separated list of these; ascending.
+std::vector<std::uint64_t> parse_sizes(std::string_view text, std::string_view where);
+
+// Reads a study: `path` empty means the default study. InputError names the file and the JSON pointer, or the flag.
+Study read_study(const Catalog& catalog, const std::string& path, const StudyFlags& flags);
+
+}  // namespace koksma

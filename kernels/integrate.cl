@@ -1,0 +1,85 @@
+// integrate.cl: the one integration kernel, seek -> draw -> evaluate -> accumulate -> store.
+// A work-item sums one lane group (W of the 16 lanes) of one block of 2^log2_block samples in a fixed order,
+// so the partial sums are the same bits for every vector width, work-group size and launch split.
+//   global size: (blocks of this launch * 16 / W, padded to the local size; replicates of this launch)
+//   out[((word * replicates + replicate) * blocks + block) * 16 + lane], the words of sum y first,
+//   then (KOKSMA_MOMENTS == 2) those of sum (y - centre)^2
+//   nonfinite (KOKSMA_COUNT_NONFINITE): [(replicate * blocks + block) * 16 / W + group], samples NaN or +-Inf
+#if KOKSMA_LANES_PER_ITEM == 1
+static inline mask lanes_below(uint lane, uint count) { return lane < count; }
+#else
+static inline mask lanes_below(uint lane, uint count) {
+  return KOKSMA_PASTE(KOKSMA_PASTE(convert_, KOKSMA_SIGNED), KOKSMA_LANES_PER_ITEM)(lane_numbers() + lane < (words32)count);
+}
+#endif
+
+__kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void integrate(
+    __global const word *restrict table, __global const scalar *restrict values, coefficients c,
+    ulong first_block, ulong blocks, ulong n, ulong seed, uint log2_block, uint first_replicate,
+    sum_scalar centre, __global sum_scalar *restrict out
+#if KOKSMA_COUNT_NONFINITE
+    , __global ulong *restrict nonfinite
+#endif
+) {
+  const uint groups = KOKSMA_LANES / KOKSMA_LANES_PER_ITEM;
+  const ulong item = get_global_id(0);
+  const ulong block = item / groups;
+  const uint lane = (uint)(item % groups) * KOKSMA_LANES_PER_ITEM;
+  const uint replicate = get_global_id(1);
+  if (block >= blocks) return;
+
+  const params q = load_params(values);
+  const ulong first = (first_block + block) << log2_block;
+  const ulong in_block = min(n - first, (ulong)1 << log2_block);
+  const uint steps = (uint)((in_block + KOKSMA_LANES - 1) / KOKSMA_LANES);
+
+  points p;
+  points_seek(&p, table, first, n, seed, first_replicate + replicate, lane);
+  sum s;
+  sum_init(&s);
+#if KOKSMA_MOMENTS == 2
+  sum squares;
+  sum_init(&squares);
+#endif
+#if KOKSMA_COUNT_NONFINITE
+  ulong faults = 0;
+#endif
+  // The last sample leaves the loop before it is added: only there can lanes lie beyond n.
+  real y;
+  sum_value v;
+  for (uint j = 1;; ++j) {
+    y = integrand(&p, q, c);
+    if (j == steps) break;
+    v = sum_convert(y);
+    sum_add(&s, v);
+#if KOKSMA_MOMENTS == 2
+    v -= centre;
+    sum_add(&squares, v * v);
+#endif
+#if KOKSMA_COUNT_NONFINITE
+    faults += count_lanes(nonfinite_lanes(y));
+#endif
+    points_step(&p);
+  }
+  const uint last = (uint)(in_block - (ulong)(steps - 1) * KOKSMA_LANES);
+  const mask valid = lanes_below(lane, last);
+  y = select_real(valid, y, R(0.0));
+  sum_add(&s, sum_convert(y));
+#if KOKSMA_COUNT_NONFINITE
+  faults += count_lanes(nonfinite_lanes(y));
+#endif
+
+  const ulong stride = blocks * KOKSMA_LANES * get_global_size(1);
+  out += (replicate * blocks + block) * KOKSMA_LANES + lane;
+  sum_store(&s, out, stride);
+#if KOKSMA_MOMENTS == 2
+  v = sum_convert(y) - centre;
+  // A lane beyond n holds y = 0 here; its square about the centre must not count.
+  v *= sum_convert(select_real(valid, (real)R(1.0), (real)R(0.0)));
+  sum_add(&squares, v * v);
+  sum_store(&squares, out + KOKSMA_SUM_WORDS * stride, stride);
+#endif
+#if KOKSMA_COUNT_NONFINITE
+  nonfinite[(replicate * blocks + block) * groups + lane / KOKSMA_LANES_PER_ITEM] = faults;
+#endif
+}

@@ -1,0 +1,87 @@
+// digital: every base-2 digital net or sequence. Sample i is C gray(i), gray(i) = i ^ (i >> 1): Gray-code
+// order (Antonov & Saleev 1979), so 16 indices on every lane moves by the same XOR,
+// column(4 + trailing zeros of j) ^ column(3), j the new index / 16 (gray(16 j + l) flips bit 3 at every step).
+// The state is kept as the bits of a float in [1,2) ("mantissa state"), so a coordinate is one XOR and one
+// subtraction. Linear scrambles and digital shifts only change the table.
+// Table (words; c columns, s = c - 4 steps, D dimensions):
+//   [0] matrix_stride  [1] start_stride  [2] columns offset  [3] steps offset  [4] lanes offset
+//   [5] starts offset  [6] keys offset  [7] unused
+//   columns [c][D], steps [s][D], lanes [D][16] per matrix; starts [D] (digital shift and the pattern of 1.0)
+//   and keys [D][2] (nested scrambling) per replicate. A stride of 0 shares the one matrix between replicates.
+typedef struct {
+  bits state[KOKSMA_DIM];
+  __global const word *steps;
+#if KOKSMA_DIGITAL_OWEN
+  __global const word *keys;
+#endif
+  uint j;    // index / 16, low half
+  uint dim;  // coordinates drawn
+} points;
+
+static inline void points_seek(points *p, __global const word *table, ulong first, ulong n, ulong seed, uint replicate,
+                               uint lane) {
+  const ulong matrix = (ulong)replicate * table[0];
+  const ulong start = (ulong)replicate * table[1];
+  __global const word *columns = table + table[2] + matrix;
+  __global const word *lanes = table + table[4] + matrix + lane;
+  __global const word *starts = table + table[5] + start;
+  p->steps = table + table[3] + matrix;
+#if KOKSMA_DIGITAL_OWEN
+  p->keys = table + table[6] + start * 2;
+#endif
+  p->j = (uint)(first >> 4);
+  p->dim = 0;
+  for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] = load_lanes(lanes + d * KOKSMA_LANES) ^ starts[d];
+  // first is a multiple of 16: the bits of gray(first) below the third belong to the lanes.
+  const ulong gray = first ^ first >> 1;
+  for (uint k = 3; gray >> k != 0; ++k) {
+    if ((gray >> k & 1) == 0) continue;
+    __global const word *column = columns + k * KOKSMA_DIM;
+    for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] ^= column[d];
+  }
+}
+
+#if KOKSMA_DIGITAL_OWEN
+// Nested uniform scrambling by hashing: on a bit-reversed word every output bit depends only on input bits of
+// equal or lower position, which are the more significant digits (Laine & Karras 2011). The low 32 bits of the
+// multipliers are Vegdahl's (2021), found by search: the Laine-Karras ones fail 12 N^3 Var = 1. As nothing
+// flows downwards, the 32-bit hash of the low half equals the low half of the 64-bit hash: fp32 and fp64 draw
+// the same point at two resolutions. State and table hold reversed words.
+static inline bits owen_hash(bits x, word addend, word factor) {
+  x ^= x * (word)0x9C8E6A1F3D20ADEAUL;
+  x += addend;
+  x *= factor;  // odd
+  x ^= x * (word)0x6F3B9D2405526C56UL;
+  x ^= x * (word)0xB1D47C5E53A22864UL;
+  return x;
+}
+
+// Reversal by swapping ever larger groups; compilers know the idiom.
+static inline bits reverse_bits(bits x) {
+  x = (x >> 1 & (word)0x5555555555555555UL) | (x & (word)0x5555555555555555UL) << 1;
+  x = (x >> 2 & (word)0x3333333333333333UL) | (x & (word)0x3333333333333333UL) << 2;
+  x = (x >> 4 & (word)0x0F0F0F0F0F0F0F0FUL) | (x & (word)0x0F0F0F0F0F0F0F0FUL) << 4;
+  x = (x >> 8 & (word)0x00FF00FF00FF00FFUL) | (x & (word)0x00FF00FF00FF00FFUL) << 8;
+#if KOKSMA_FP64
+  x = (x >> 16 & 0x0000FFFF0000FFFFUL) | (x & 0x0000FFFF0000FFFFUL) << 16;
+  return x >> 32 | x << 32;
+#else
+  return x >> 16 | x << 16;
+#endif
+}
+
+static inline real points_next(points *p) {
+  const uint d = p->dim++;
+  return unit_from_word(reverse_bits(owen_hash(p->state[d], p->keys[2 * d], p->keys[2 * d + 1])));
+}
+#else
+static inline real points_next(points *p) { return unit_from_mantissa(p->state[p->dim++]); }
+#endif
+
+static inline void points_step(points *p) {
+  __global const word *step = p->steps + trailing_zeros(++p->j) * KOKSMA_DIM;
+  for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] ^= step[d];
+  p->dim = 0;
+}
+
+static inline uint points_drawn(const points *p) { return p->dim; }

@@ -1,0 +1,88 @@
+#include "support.hpp"
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+namespace koksma::test {
+
+const Catalog& catalog() {
+  static const Catalog loaded = load_catalog();
+  return loaded;
+}
+
+Device& device() {
+  static Device chosen = Device::choose("");
+  return chosen;
+}
+
+std::vector<double> points(const PointsSpec& spec) {
+  const std::uint64_t end = spec.start + spec.count;
+  Plan plan = make_points_plan(catalog(), spec.sampler, spec.dim, spec.precision, end, spec.replicate + 1, spec.seed, device().facts(), "",
+                               LaunchShape{spec.lanes_per_item, 1, {}, {}});
+  PointsDump dump(device(), plan);
+  return dump.read(spec.start, spec.count, end, spec.replicate, spec.log2_block);
+}
+
+Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n, std::uint32_t replicates, const std::string& estimator) {
+  Cell result;
+  result.scene = parse_scene(catalog(), scene, "test");
+  result.sampler = sampler;
+  result.estimator = estimator.empty() ? catalog().sampler(sampler, "test").default_estimator : estimator;
+  result.n = {n};
+  result.replicates = replicates;
+  result.seed = 1;
+  return result;
+}
+
+std::vector<double> partial_sums(const Cell& cell, const LaunchShape& shape) {
+  const Plan plan = make_plan(catalog(), cell, device().facts(), "", shape);
+  const ExactValues exact = compute_exact(device(), *plan.integrand, cell.scene);
+  Integrator integrator(device(), plan, exact.coefficients);
+  // A launch split hands out pieces; [word][replicate] puts them back in the device's order.
+  std::vector<std::vector<double>> pieces(std::size_t{plan.words()} * cell.replicates);
+  integrator.run(cell.n.back(), 0.25, [&](std::uint32_t word, std::uint32_t r, std::span<const double> partials) {
+    auto& piece = pieces[std::size_t{word} * cell.replicates + r];
+    piece.insert(piece.end(), partials.begin(), partials.end());
+  });
+  std::vector<double> all;
+  for (const auto& piece : pieces) all.insert(all.end(), piece.begin(), piece.end());
+  return all;
+}
+
+CommandResult run_command(const std::string& arguments, const std::string& environment) {
+  const std::string line = environment + " " KOKSMA_COMMAND " " + arguments + " 2>&1 </dev/null";
+  FILE* pipe = popen(line.c_str(), "r");
+  if (pipe == nullptr) throw std::runtime_error("popen failed");
+  CommandResult result;
+  std::array<char, 4096> buffer{};
+  while (const std::size_t got = fread(buffer.data(), 1, buffer.size(), pipe)) result.output.append(buffer.data(), got);
+  const int status = pclose(pipe);
+  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return result;
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "koksma-test-XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
+  path_ = pattern;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::string TemporaryFolder::write(const std::string& name, const std::string& text) const {
+  std::ofstream(path(name), std::ios::binary) << text;
+  return path(name);
+}
+
+std::string repository_file(const std::string& path) { return read_text_file(std::string(KOKSMA_SOURCE_DIR) + "/" + path); }
+
+}  // namespace koksma::test

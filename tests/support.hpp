@@ -1,0 +1,64 @@
+// What the tests share: the catalog, one device, points and sums of small cells.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "device/exact.hpp"
+#include "device/integrator.hpp"
+#include "device/points_dump.hpp"
+#include "plan/plan.hpp"
+#include "study/study.hpp"
+
+namespace koksma::test {
+
+const Catalog& catalog();
+// The default device (PoCL), opened once.
+Device& device();
+
+struct PointsSpec {
+  std::string sampler;
+  std::uint32_t dim = 1;
+  Precision precision = Precision::fp64;
+  std::uint64_t start = 0, count = 0;
+  std::uint32_t replicate = 0, log2_block = 8;
+  std::uint64_t seed = 1;
+  std::uint32_t lanes_per_item = 16;
+};
+// [point][dimension]
+std::vector<double> points(const PointsSpec& spec);
+
+// A cell of one size.
+Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n, std::uint32_t replicates = 1,
+          const std::string& estimator = "");
+
+// All partial sums of a cell under a launch shape, sorted by (word, replicate, block, lane) as the device stores them.
+std::vector<double> partial_sums(const Cell& cell, const LaunchShape& shape);
+
+// The output and exit status of the command with these arguments (stdout and stderr together).
+struct CommandResult {
+  int status = 0;
+  std::string output;
+};
+CommandResult run_command(const std::string& arguments, const std::string& environment = "");
+
+// A fresh folder that goes away with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string path(const std::string& name) const { return path_ + "/" + name; }
+  std::string write(const std::string& name, const std::string& text) const;  // returns its path
+
+ private:
+  std::string path_;
+};
+
+// The text of a file of the repository.
+std::string repository_file(const std::string& path);
+
+}  // namespace koksma::test
