@@ -48,7 +48,7 @@ echo "lint: clang-tidy on $count files, $jobs at a time"
 # The header filter is read by clang-tidy, which has no (?=...).
 run-clang-tidy -quiet -p build/tidy -j "$jobs" -header-filter="${prefix%%(\?=*}(harness|tests)/" "$selection" 2>&1 |
   sed -u 's/\x1b\[[0-9;]*m//g' |
-  { grep -vE '^(/usr/bin/)?clang-tidy.* -p=|^[0-9]+ warnings?( and [0-9]+ errors?)? generated\.$|^$' || true; } ||
+  { grep --line-buffered -vE '^(/usr/bin/)?clang-tidy.* -p=|^[0-9]+ warnings?( and [0-9]+ errors?)? generated\.$|^$' || true; } ||
   failed+=('clang-tidy')
 
 if ((${#failed[@]} > 0)); then

@@ -1,5 +1,5 @@
-// The points that the kernels draw: sequences equal their definitions, nets stay nets under every scrambling, random
-// access equals replay, coordinates stay in range.
+// The points that the kernels draw: sequences equal their definitions, nets stay nets under every
+// scrambling, random access equals replay, coordinates stay in range.
 #include <Random123/philox.h>
 
 #include <algorithm>
@@ -21,7 +21,8 @@ using koksma::test::PointsSpec;
 
 namespace {
 
-// Point `index` of Boost's Sobol' engine in the order that begins with the zero point, as 64-bit fractions.
+// Point `index` of Boost's Sobol' engine in the order that begins with the zero point, as 64-bit
+// fractions.
 std::vector<std::uint64_t> boost_point(std::uint32_t dim, std::uint64_t index) {
   std::vector<std::uint64_t> result(dim, 0);
   if (index == 0) return result;
@@ -33,14 +34,18 @@ std::vector<std::uint64_t> boost_point(std::uint32_t dim, std::uint64_t index) {
 
 double fraction52(std::uint64_t word) { return std::ldexp(static_cast<double>(word >> 12), -52); }
 
-bool is_net(const Sampler& s) { return std::find(s.properties.begin(), s.properties.end(), "digital-net") != s.properties.end(); }
+bool is_net(const Sampler& s) {
+  return std::find(s.properties.begin(), s.properties.end(), "digital-net") != s.properties.end();
+}
 
-// Every elementary interval of area 2^-m in base 2 holds exactly one of the first 2^m points (t = 0).
+// Every elementary interval of area 2^-m in base 2 holds exactly one of the first 2^m points (t =
+// 0).
 bool is_0m2_net(const std::vector<double>& xy, unsigned m) {
   for (unsigned q = 0; q <= m; ++q) {
     std::set<std::pair<std::uint64_t, std::uint64_t>> boxes;
     for (std::size_t i = 0; i < xy.size() / 2; ++i)
-      boxes.emplace(static_cast<std::uint64_t>(std::ldexp(xy[2 * i], static_cast<int>(q))), static_cast<std::uint64_t>(std::ldexp(xy[2 * i + 1], static_cast<int>(m - q))));
+      boxes.emplace(static_cast<std::uint64_t>(std::ldexp(xy[2 * i], static_cast<int>(q))),
+                    static_cast<std::uint64_t>(std::ldexp(xy[2 * i + 1], static_cast<int>(m - q))));
     if (boxes.size() != xy.size() / 2) return false;
   }
   return true;
@@ -48,7 +53,8 @@ bool is_0m2_net(const std::vector<double>& xy, unsigned m) {
 
 }  // namespace
 
-TEST_CASE("the first 2^12 points of sobol in 50 dimensions are Boost's, after the zero point", "[device]") {
+TEST_CASE("the first 2^12 points of sobol in 50 dimensions are Boost's, after the zero point",
+          "[device]") {
   const auto drawn = points({.sampler = "sobol", .dim = 50, .count = 4096});
   boost::random::sobol_engine<std::uint64_t, 64> engine(50);
   for (std::size_t j = 0; j < 50; ++j) REQUIRE(drawn[j] == 0);
@@ -56,7 +62,9 @@ TEST_CASE("the first 2^12 points of sobol in 50 dimensions are Boost's, after th
 }
 
 TEST_CASE("sobol from any start equals Boost's point of that index, also beyond 2^32", "[device]") {
-  for (const std::uint64_t start : {1ULL, 5ULL, 15ULL, 16ULL, 17ULL, 1000ULL, (1ULL << 20) + 3, (1ULL << 31) - 5, (1ULL << 32) - 7, (1ULL << 32) + 11, (1ULL << 40) + 12345}) {
+  for (const std::uint64_t start :
+       {1ULL, 5ULL, 15ULL, 16ULL, 17ULL, 1000ULL, (1ULL << 20) + 3, (1ULL << 31) - 5,
+        (1ULL << 32) - 7, (1ULL << 32) + 11, (1ULL << 40) + 12345}) {
     const auto drawn = points({.sampler = "sobol", .dim = 7, .start = start, .count = 40});
     for (std::uint64_t i = 0; i < 40; ++i) {
       const auto expected = boost_point(7, start + i);
@@ -83,7 +91,8 @@ TEST_CASE("declared known answers hold", "[device]") {
     for (const Json& known : s.known_answers) {
       const auto expected = known["points"].get<std::vector<std::vector<double>>>();
       const std::uint32_t dim = known["dim"];
-      const auto drawn = points({.sampler = s.name, .dim = dim, .start = known["start"], .count = expected.size()});
+      const auto drawn = points(
+          {.sampler = s.name, .dim = dim, .start = known["start"], .count = expected.size()});
       for (std::size_t i = 0; i < expected.size(); ++i)
         for (std::size_t j = 0; j < dim; ++j) REQUIRE(drawn[i * dim + j] == expected[i][j]);
       ++answers;
@@ -92,12 +101,15 @@ TEST_CASE("declared known answers hold", "[device]") {
   REQUIRE(answers > 0);
 }
 
-TEST_CASE("every base-2 net keeps all elementary intervals of a (0,m,2)-net, whatever its randomization", "[device]") {
+TEST_CASE(
+    "every base-2 net keeps all elementary intervals of a (0,m,2)-net, whatever its randomization",
+    "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     if (!is_net(s)) continue;
     for (const Precision precision : {Precision::fp32, Precision::fp64}) {
       for (std::uint32_t r = 0; r < (s.replicable ? 4U : 1U); ++r) {
-        const auto drawn = points({.sampler = s.name, .dim = 2, .precision = precision, .count = 1024, .replicate = r});
+        const auto drawn = points(
+            {.sampler = s.name, .dim = 2, .precision = precision, .count = 1024, .replicate = r});
         for (const unsigned m : {1U, 2U, 4U, 7U, 10U}) {
           INFO(s.name << " replicate " << r << " m " << m);
           REQUIRE(is_0m2_net({drawn.begin(), drawn.begin() + (2L << m)}, m));
@@ -121,10 +133,13 @@ TEST_CASE("random access equals replay from the start", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     for (const Precision precision : {Precision::fp32, Precision::fp64}) {
       INFO(s.name << " " << precision_name(precision));
-      const auto replayed = points({.sampler = s.name, .dim = 5, .precision = precision, .count = 4096, .log2_block = 12});
-      const auto accessed = points({.sampler = s.name, .dim = 5, .precision = precision, .count = 4096, .log2_block = 4});
+      const auto replayed = points(
+          {.sampler = s.name, .dim = 5, .precision = precision, .count = 4096, .log2_block = 12});
+      const auto accessed = points(
+          {.sampler = s.name, .dim = 5, .precision = precision, .count = 4096, .log2_block = 4});
       REQUIRE(replayed == accessed);
-      const auto part = points({.sampler = s.name, .dim = 5, .precision = precision, .start = 1234, .count = 2862});
+      const auto part = points(
+          {.sampler = s.name, .dim = 5, .precision = precision, .start = 1234, .count = 2862});
       REQUIRE(std::equal(part.begin(), part.end(), replayed.begin() + 5 * 1234));
     }
   }
@@ -135,8 +150,10 @@ TEST_CASE("random access equals replay around index 2^32", "[device]") {
     if (s.max_log2_n <= 33) continue;
     INFO(s.name);
     const std::uint64_t start = (1ULL << 32) - 4096;
-    const auto replayed = points({.sampler = s.name, .dim = 3, .start = start, .count = 8192, .log2_block = 12});
-    REQUIRE(replayed == points({.sampler = s.name, .dim = 3, .start = start, .count = 8192, .log2_block = 4}));
+    const auto replayed =
+        points({.sampler = s.name, .dim = 3, .start = start, .count = 8192, .log2_block = 12});
+    REQUIRE(replayed ==
+            points({.sampler = s.name, .dim = 3, .start = start, .count = 8192, .log2_block = 4}));
     const auto wrapped = points({.sampler = s.name, .dim = 3, .count = 4096});
     REQUIRE_FALSE(std::equal(wrapped.begin(), wrapped.end(), replayed.begin() + 3L * 4096));
   }
@@ -146,7 +163,8 @@ TEST_CASE("fp32 draws the points of fp64 at 23 bits", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     const std::uint32_t dim = 6;
     const auto fine = points({.sampler = s.name, .dim = dim, .count = 512});
-    const auto coarse = points({.sampler = s.name, .dim = dim, .precision = Precision::fp32, .count = 512});
+    const auto coarse =
+        points({.sampler = s.name, .dim = dim, .precision = Precision::fp32, .count = 512});
     for (std::size_t i = 0; i < fine.size(); ++i) {
       INFO(s.name << " value " << i);
       REQUIRE(std::floor(std::ldexp(fine[i], 23)) == std::floor(std::ldexp(coarse[i], 23)));
@@ -160,7 +178,11 @@ TEST_CASE("coordinates are the same bits for 1, 4, 8 and 16 lanes per work-item"
       const auto wide = points({.sampler = s.name, .dim = 5, .precision = precision, .count = 512});
       for (const std::uint32_t lanes : {1U, 4U, 8U}) {
         INFO(s.name << " lanes " << lanes);
-        REQUIRE(wide == points({.sampler = s.name, .dim = 5, .precision = precision, .count = 512, .lanes_per_item = lanes}));
+        REQUIRE(wide == points({.sampler = s.name,
+                                .dim = 5,
+                                .precision = precision,
+                                .count = 512,
+                                .lanes_per_item = lanes}));
       }
     }
   }
@@ -170,7 +192,8 @@ TEST_CASE("coordinates lie in the declared range and on the declared grid", "[de
   for (const Sampler& s : test::catalog().samplers) {
     for (const Precision precision : {Precision::fp32, Precision::fp64}) {
       const int bits = precision == Precision::fp32 ? 23 : 52;
-      for (const double x : points({.sampler = s.name, .dim = 8, .precision = precision, .count = 1 << 14})) {
+      for (const double x :
+           points({.sampler = s.name, .dim = 8, .precision = precision, .count = 1 << 14})) {
         const double units = std::ldexp(x, bits) - (s.centred ? 0.5 : 0.0);
         INFO(s.name << " x = " << x);
         REQUIRE((x < 1 && (s.centred ? x > 0 : x >= 0)));
@@ -180,7 +203,10 @@ TEST_CASE("coordinates lie in the declared range and on the declared grid", "[de
   }
 }
 
-TEST_CASE("every state word of every conversion gives a coordinate in range: all 2^23 in fp32, the extremes in fp64", "[device]") {
+TEST_CASE(
+    "every state word of every conversion gives a coordinate in range: all 2^23 in fp32, the "
+    "extremes in fp64",
+    "[device]") {
   // The conversions of prelude.cl and lattice.cl on chosen words, through a kernel of this test.
   const std::string body = R"(
 __kernel void convert(__global const word *words, __global scalar *out) {
@@ -191,55 +217,76 @@ __kernel void convert(__global const word *words, __global scalar *out) {
 })";
   for (const bool fp64 : {false, true}) {
     for (const bool centred : {false, true}) {
-      std::string text = "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_DIM 1\n#define KOKSMA_FP64 " + std::to_string(fp64) + "\n#define KOKSMA_CENTRED " + std::to_string(centred) + "\n";
-      text += std::string(embedded_text("kernels/prelude.cl")) + std::string(embedded_text("kernels/points/lattice.cl")) + body;
+      std::string text =
+          "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_DIM 1\n#define KOKSMA_FP64 " +
+          std::to_string(fp64) + "\n#define KOKSMA_CENTRED " + std::to_string(centred) + "\n";
+      text += std::string(embedded_text("kernels/prelude.cl")) +
+              std::string(embedded_text("kernels/points/lattice.cl")) + body;
       std::vector<std::uint64_t> words;
       if (fp64) {
-        for (const std::uint64_t top : {0ULL, 1ULL, 2ULL, (1ULL << 51) - 1, 1ULL << 51, (1ULL << 52) - 2, (1ULL << 52) - 1})
-          for (const std::uint64_t low : {0ULL, 1ULL, 0xFFFULL}) words.push_back(top << 12 | low), words.push_back(low << 52 | top);
+        for (const std::uint64_t top :
+             {0ULL, 1ULL, 2ULL, (1ULL << 51) - 1, 1ULL << 51, (1ULL << 52) - 2, (1ULL << 52) - 1})
+          for (const std::uint64_t low : {0ULL, 1ULL, 0xFFFULL})
+            words.push_back(top << 12 | low), words.push_back(low << 52 | top);
       } else {
         for (std::uint64_t k = 0; k < 1ULL << 23; ++k) words.push_back(k << 9);
         words.push_back(0xFFFFFFFFU);
       }
       std::vector<std::uint32_t> narrow(words.begin(), words.end());
       Device& device = test::device();
-      const cl::Buffer in = fp64 ? device.upload(words.data(), words.size() * 8) : device.upload(narrow.data(), narrow.size() * 4);
+      const cl::Buffer in = fp64 ? device.upload(words.data(), words.size() * 8)
+                                 : device.upload(narrow.data(), narrow.size() * 4);
       const cl::Buffer out = device.allocate(words.size() * 2 * (fp64 ? 8 : 4));
       cl::Kernel kernel(device.build({"conversions", text, "-cl-std=CL1.2 -w"}).program, "convert");
       kernel.setArg(0, in);
       kernel.setArg(1, out);
-      device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(words.size()), cl::NDRange(1));
+      device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(words.size()),
+                                          cl::NDRange(1));
       std::vector<double> wide(fp64 ? words.size() * 2 : 0);
       std::vector<float> single(fp64 ? 0 : words.size() * 2);
       if (fp64) device.queue().enqueueReadBuffer(out, CL_TRUE, 0, wide.size() * 8, wide.data());
-      if (!fp64) device.queue().enqueueReadBuffer(out, CL_TRUE, 0, single.size() * 4, single.data());
+      if (!fp64)
+        device.queue().enqueueReadBuffer(out, CL_TRUE, 0, single.size() * 4, single.data());
       const auto values = fp64 ? wide : std::vector<double>(single.begin(), single.end());
-      // The all-ones word is for unit_from_word only: a lattice state never has low bits set in fp32.
+      // The all-ones word is for unit_from_word only: a lattice state never has low bits set in
+      // fp32.
       const std::size_t last = fp64 ? values.size() : values.size() - 1;
-      const auto [low, high] = std::minmax_element(values.begin(), values.begin() + static_cast<long>(last));
+      const auto [low, high] =
+          std::minmax_element(values.begin(), values.begin() + static_cast<long>(last));
       const double unit = std::ldexp(1.0, fp64 ? -52 : -23);
       INFO("fp64 " << fp64 << " centred " << centred);
       CHECK(*low == (centred ? unit / 2 : 0.0));
       CHECK(*high == 1 - (centred ? unit / 2 : unit));
       if (!fp64) {
         for (std::size_t k = 0; k < 1U << 23; ++k)
-          if (values[2 * k] != (static_cast<double>(k) + (centred ? 0.5 : 0)) * unit) FAIL("word " << k << " is not its own coordinate");
+          if (values[2 * k] != (static_cast<double>(k) + (centred ? 0.5 : 0)) * unit)
+            FAIL("word " << k << " is not its own coordinate");
       }
     }
   }
 }
 
-TEST_CASE("random equals Random123 bit for bit, in the documented order, at any index and replicate", "[device]") {
+TEST_CASE(
+    "random equals Random123 bit for bit, in the documented order, at any index and replicate",
+    "[device]") {
   const std::uint32_t dim = 11;
   const std::uint64_t seed = 0x123456789ABCDEF0;
   for (const std::uint64_t start : {0ULL, (1ULL << 32) - 8, (1ULL << 40) + 3}) {
     for (const std::uint32_t r : {0U, 7U}) {
-      const auto drawn = points({.sampler = "random", .dim = dim, .start = start, .count = 24, .replicate = r, .seed = seed});
+      const auto drawn = points({.sampler = "random",
+                                 .dim = dim,
+                                 .start = start,
+                                 .count = 24,
+                                 .replicate = r,
+                                 .seed = seed});
       for (std::uint64_t i = 0; i < 24; ++i) {
         for (std::uint32_t j = 0; j < dim; ++j) {
           const auto block = [&](std::uint32_t half) {
-            const r123::Philox4x32::ctr_type counter{{static_cast<std::uint32_t>(start + i), static_cast<std::uint32_t>((start + i) >> 32), r, 2 * (j / 4) + half}};
-            return r123::Philox4x32{}(counter, {{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}})[j % 4];
+            const r123::Philox4x32::ctr_type counter{{static_cast<std::uint32_t>(start + i),
+                                                      static_cast<std::uint32_t>((start + i) >> 32),
+                                                      r, 2 * (j / 4) + half}};
+            return r123::Philox4x32{}(counter, {{static_cast<std::uint32_t>(seed),
+                                                 static_cast<std::uint32_t>(seed >> 32)}})[j % 4];
           };
           const std::uint64_t word = std::uint64_t{block(0)} << 32 | block(1);
           INFO("index " << start + i << " dimension " << j);
@@ -250,28 +297,37 @@ TEST_CASE("random equals Random123 bit for bit, in the documented order, at any 
   }
 }
 
-TEST_CASE("Random123's published known answers of Philox4x32-10 hold for the host's draws", "[unit]") {
+TEST_CASE("Random123's published known answers of Philox4x32-10 hold for the host's draws",
+          "[unit]") {
   // kat_vectors of Random123 1.14: counters and keys all zero and all ones.
   const RandomPair zero = random_pair(0, 0, 0, RandomPurpose::points, 0);
   CHECK(zero.first == 0x6627e8d5e169c58dU);
   CHECK(zero.second == 0xbc57ac4c9b00dbd8U);
 }
 
-TEST_CASE("draws for different purposes, replicates, dimensions and indices are different", "[unit]") {
+TEST_CASE("draws for different purposes, replicates, dimensions and indices are different",
+          "[unit]") {
   std::set<std::uint64_t> seen;
   std::size_t drawn = 0;
-  for (const auto purpose : {RandomPurpose::points, RandomPurpose::digital_shift, RandomPurpose::linear_scramble, RandomPurpose::nested_scramble, RandomPurpose::lattice_shift})
+  for (const auto purpose :
+       {RandomPurpose::points, RandomPurpose::digital_shift, RandomPurpose::linear_scramble,
+        RandomPurpose::nested_scramble, RandomPurpose::lattice_shift})
     for (std::uint32_t r = 0; r < 4; ++r)
       for (std::uint32_t d = 0; d < 4; ++d)
-        for (std::uint64_t i = 0; i < 4; ++i, ++drawn) seen.insert(random_pair(1, i, r, purpose, d).first);
+        for (std::uint64_t i = 0; i < 4; ++i, ++drawn)
+          seen.insert(random_pair(1, i, r, purpose, d).first);
   CHECK(seen.size() == drawn);
 }
 
-TEST_CASE("a lattice's first 2^k points are the multiples of its generating vector, in Gray order", "[device]") {
+TEST_CASE("a lattice's first 2^k points are the multiples of its generating vector, in Gray order",
+          "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
-    if (std::find(s.properties.begin(), s.properties.end(), "lattice") == s.properties.end()) continue;
+    if (std::find(s.properties.begin(), s.properties.end(), "lattice") == s.properties.end())
+      continue;
     const std::uint32_t dim = 9;
-    const Json vector = parse_json(embedded_text("kernels/points/vectors/" + s.options["vector"].get<std::string>() + ".json"), "test");
+    const Json vector = parse_json(
+        embedded_text("kernels/points/vectors/" + s.options["vector"].get<std::string>() + ".json"),
+        "test");
     const auto z = vector["z"].get<std::vector<std::uint64_t>>();
     const auto drawn = points({.sampler = s.name, .dim = dim, .count = 1 << 12, .log2_block = 9});
     for (std::uint64_t i = 0; i < 1 << 12; ++i) {
@@ -289,20 +345,31 @@ TEST_CASE("a lattice's first 2^k points are the multiples of its generating vect
   }
 }
 
-TEST_CASE("a direction-number file gives the built-in sequence, and says where it is wrong", "[unit]") {
+TEST_CASE("a direction-number file gives the built-in sequence, and says where it is wrong",
+          "[unit]") {
   const test::TemporaryFolder folder;
   // The head of Joe and Kuo's new-joe-kuo-6.21201.
-  const std::string good = "d s a m_i\n2 1 0 1\n3 2 1 1 3\n4 3 1 1 3 1\n5 3 2 1 1 1\n6 4 1 1 1 3 3\n7 4 4 1 3 5 13\n";
+  const std::string good =
+      "d s a m_i\n2 1 0 1\n3 2 1 1 3\n4 3 1 1 3 1\n5 3 2 1 1 1\n6 4 1 1 1 3 3\n7 4 4 1 3 5 13\n";
   const auto from_file = sobol_matrices_from_file(folder.write("good", good), 7, 52);
   CHECK(from_file.words == sobol_matrices(7, 52).words);
-  CHECK_THROWS_WITH(sobol_matrices_from_file(folder.path("good"), 8, 52), Catch::Contains("direction numbers for 7 dimensions") && Catch::Contains("8 are drawn"));
-  CHECK_THROWS_WITH(sobol_matrices_from_file(folder.write("even", "d s a m_i\n2 1 0 1\n3 2 1 1 2\n"), 3, 10), Catch::Contains("even:3") && Catch::Contains("m_2"));
-  CHECK_THROWS_WITH(sobol_matrices_from_file(folder.write("gap", "d s a m_i\n2 1 0 1\n4 3 1 1 3 1\n"), 3, 10), Catch::Contains("gap:3") && Catch::Contains("dimension 3 comes here"));
-  CHECK_THROWS_WITH(sobol_matrices_from_file(folder.path("none"), 3, 10), Catch::Contains("cannot be read"));
+  CHECK_THROWS_WITH(
+      sobol_matrices_from_file(folder.path("good"), 8, 52),
+      Catch::Contains("direction numbers for 7 dimensions") && Catch::Contains("8 are drawn"));
+  CHECK_THROWS_WITH(
+      sobol_matrices_from_file(folder.write("even", "d s a m_i\n2 1 0 1\n3 2 1 1 2\n"), 3, 10),
+      Catch::Contains("even:3") && Catch::Contains("m_2"));
+  CHECK_THROWS_WITH(
+      sobol_matrices_from_file(folder.write("gap", "d s a m_i\n2 1 0 1\n4 3 1 1 3 1\n"), 3, 10),
+      Catch::Contains("gap:3") && Catch::Contains("dimension 3 comes here"));
+  CHECK_THROWS_WITH(sobol_matrices_from_file(folder.path("none"), 3, 10),
+                    Catch::Contains("cannot be read"));
 }
 
-TEST_CASE("generating matrices are upper triangular with a unit diagonal in all 52 columns", "[unit]") {
+TEST_CASE("generating matrices are upper triangular with a unit diagonal in all 52 columns",
+          "[unit]") {
   const auto m = sobol_matrices(100, 52);
   for (std::uint32_t k = 0; k < m.columns; ++k)
-    for (std::uint32_t d = 0; d < m.dim; ++d) REQUIRE(std::countr_zero(m.words[std::size_t{k} * m.dim + d]) == 63 - static_cast<int>(k));
+    for (std::uint32_t d = 0; d < m.dim; ++d)
+      REQUIRE(std::countr_zero(m.words[std::size_t{k} * m.dim + d]) == 63 - static_cast<int>(k));
 }

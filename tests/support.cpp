@@ -23,17 +23,20 @@ Device& device() {
 
 std::vector<double> points(const PointsSpec& spec) {
   const std::uint64_t end = spec.start + spec.count;
-  Plan plan = make_points_plan(catalog(), spec.sampler, spec.dim, spec.precision, end, spec.replicate + 1, spec.seed, device().facts(), "",
+  Plan plan = make_points_plan(catalog(), spec.sampler, spec.dim, spec.precision, end,
+                               spec.replicate + 1, spec.seed, device().facts(), "",
                                LaunchShape{spec.lanes_per_item, 1, {}, {}});
   PointsDump dump(device(), plan);
   return dump.read(spec.start, spec.count, end, spec.replicate, spec.log2_block);
 }
 
-Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n, std::uint32_t replicates, const std::string& estimator) {
+Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n,
+          std::uint32_t replicates, const std::string& estimator) {
   Cell result;
   result.scene = parse_scene(catalog(), scene, "test");
   result.sampler = sampler;
-  result.estimator = estimator.empty() ? catalog().sampler(sampler, "test").default_estimator : estimator;
+  result.estimator =
+      estimator.empty() ? catalog().sampler(sampler, "test").default_estimator : estimator;
   result.n = {n};
   result.replicates = replicates;
   result.seed = 1;
@@ -46,10 +49,11 @@ std::vector<double> partial_sums(const Cell& cell, const LaunchShape& shape) {
   Integrator integrator(device(), plan, exact.coefficients);
   // A launch split hands out pieces; [word][replicate] puts them back in the device's order.
   std::vector<std::vector<double>> pieces(std::size_t{plan.words()} * cell.replicates);
-  integrator.run(cell.n.back(), 0.25, [&](std::uint32_t word, std::uint32_t r, std::span<const double> partials) {
-    auto& piece = pieces[std::size_t{word} * cell.replicates + r];
-    piece.insert(piece.end(), partials.begin(), partials.end());
-  });
+  integrator.run(cell.n.back(), 0.25,
+                 [&](std::uint32_t word, std::uint32_t r, std::span<const double> partials) {
+                   auto& piece = pieces[std::size_t{word} * cell.replicates + r];
+                   piece.insert(piece.end(), partials.begin(), partials.end());
+                 });
   std::vector<double> all;
   for (const auto& piece : pieces) all.insert(all.end(), piece.begin(), piece.end());
   return all;
@@ -61,7 +65,8 @@ CommandResult run_command(const std::string& arguments, const std::string& envir
   if (pipe == nullptr) throw std::runtime_error("popen failed");
   CommandResult result;
   std::array<char, 4096> buffer{};
-  while (const std::size_t got = fread(buffer.data(), 1, buffer.size(), pipe)) result.output.append(buffer.data(), got);
+  while (const std::size_t got = fread(buffer.data(), 1, buffer.size(), pipe))
+    result.output.append(buffer.data(), got);
   const int status = pclose(pipe);
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return result;
@@ -83,6 +88,8 @@ std::string TemporaryFolder::write(const std::string& name, const std::string& t
   return path(name);
 }
 
-std::string repository_file(const std::string& path) { return read_text_file(std::string(KOKSMA_SOURCE_DIR) + "/" + path); }
+std::string repository_file(const std::string& path) {
+  return read_text_file(std::string(KOKSMA_SOURCE_DIR) + "/" + path);
+}
 
 }  // namespace koksma::test

@@ -31,10 +31,11 @@ struct PointsSpec {
 std::vector<double> points(const PointsSpec& spec);
 
 // A cell of one size.
-Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n, std::uint32_t replicates = 1,
-          const std::string& estimator = "");
+Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n,
+          std::uint32_t replicates = 1, const std::string& estimator = "");
 
-// All partial sums of a cell under a launch shape, sorted by (word, replicate, block, lane) as the device stores them.
+// All partial sums of a cell under a launch shape, sorted by (word, replicate, block, lane) as the
+// device stores them.
 std::vector<double> partial_sums(const Cell& cell, const LaunchShape& shape);
 
 // The output and exit status of the command with these arguments (stdout and stderr together).

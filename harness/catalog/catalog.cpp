@@ -34,19 +34,22 @@ void read_kernels(Catalog& catalog, const EmbeddedFile& file) {
   const std::string_view path = file.path;
   if (is_json_in(path, "kernels/points/")) {
     const Json entry = checked_entry(path, file.text, "harness/catalog/points.schema.json");
-    catalog.families.push_back({entry["family"], entry["title"], entry["citation"], embedded_code_beside(path)});
-    for (const Json& sampler : entry["samplers"]) catalog.samplers.push_back(read_sampler(sampler, entry["family"]));
+    catalog.families.push_back(
+        {entry["family"], entry["title"], entry["citation"], embedded_code_beside(path)});
+    for (const Json& sampler : entry["samplers"])
+      catalog.samplers.push_back(read_sampler(sampler, entry["family"]));
   } else if (is_json_in(path, "kernels/sums/")) {
     const Json entry = checked_entry(path, file.text, "harness/catalog/sum.schema.json");
     catalog.sums.push_back(read_sum(entry, embedded_code_beside(path)));
   } else if (is_json_in(path, "kernels/transforms/")) {
     const Json entry = checked_entry(path, file.text, "harness/catalog/transform.schema.json");
-    catalog.transforms.push_back({entry["name"], entry["title"], entry["citation"], embedded_code_beside(path)});
+    catalog.transforms.push_back(
+        {entry["name"], entry["title"], entry["citation"], embedded_code_beside(path)});
   }
 }
 
-void add_integrand(Catalog& catalog, const Json& classes, std::string_view path, std::string_view text,
-                   SourceFile code) {
+void add_integrand(Catalog& catalog, const Json& classes, std::string_view path,
+                   std::string_view text, SourceFile code) {
   const Json entry = checked_entry(path, text, "harness/catalog/integrand.schema.json");
   Integrand integrand = read_integrand(entry, classes, path, std::move(code));
   for (const std::string& name : integrand.transforms) {
@@ -57,14 +60,16 @@ void add_integrand(Catalog& catalog, const Json& classes, std::string_view path,
   }
   for (const Integrand& other : catalog.integrands) {
     if (other.name == integrand.name)
-      throw InputError(fmt::format("{}, at '/name'", path), fmt::format("the name '{}' exists already", other.name),
+      throw InputError(fmt::format("{}, at '/name'", path),
+                       fmt::format("the name '{}' exists already", other.name),
                        fmt::format("defined in {}", other.code.path));
   }
   catalog.integrands.push_back(std::move(integrand));
 }
 
 template <typename Entries>
-auto& find_named(const Entries& entries, std::string_view kind, std::string_view name, std::string_view where) {
+auto& find_named(const Entries& entries, std::string_view kind, std::string_view name,
+                 std::string_view where) {
   std::vector<std::string> known;
   for (const auto& entry : entries) {
     if (entry.name == name) return entry;
@@ -77,19 +82,23 @@ auto& find_named(const Entries& entries, std::string_view kind, std::string_view
 
 Catalog load_catalog(const std::vector<std::string>& integrand_files) {
   Catalog catalog;
-  const Json classes =
-      checked_entry(kClassesPath, embedded_text(kClassesPath), "harness/catalog/classes.schema.json");
-  const Json estimators = checked_entry("harness/catalog/estimators.json", embedded_text("harness/catalog/estimators.json"),
+  const Json classes = checked_entry(kClassesPath, embedded_text(kClassesPath),
+                                     "harness/catalog/classes.schema.json");
+  const Json estimators = checked_entry("harness/catalog/estimators.json",
+                                        embedded_text("harness/catalog/estimators.json"),
                                         "harness/catalog/estimators.schema.json");
-  for (const Json& entry : estimators["estimators"]) catalog.estimators.push_back(read_estimator(entry));
+  for (const Json& entry : estimators["estimators"])
+    catalog.estimators.push_back(read_estimator(entry));
   for (const EmbeddedFile& file : embedded_files()) read_kernels(catalog, file);
   for (const EmbeddedFile& file : embedded_files()) {
-    if (file.path.starts_with("integrands/") && file.path.ends_with(".json") && file.path != kClassesPath)
+    if (file.path.starts_with("integrands/") && file.path.ends_with(".json") &&
+        file.path != kClassesPath)
       add_integrand(catalog, classes, file.path, file.text, embedded_code_beside(file.path));
   }
   for (const std::string& path : integrand_files) {
     const std::string code_path = std::filesystem::path(path).replace_extension(".cl").string();
-    add_integrand(catalog, classes, path, read_text_file(path), {code_path, read_text_file(code_path)});
+    add_integrand(catalog, classes, path, read_text_file(path),
+                  {code_path, read_text_file(code_path)});
   }
   return catalog;
 }
@@ -106,14 +115,18 @@ const SumAlgorithm& Catalog::sum(std::string_view name, std::string_view where) 
 const Estimator& Catalog::estimator(std::string_view name, std::string_view where) const {
   return find_named(estimators, "estimator", name, where);
 }
-const Family& Catalog::family(std::string_view name) const { return find_named(families, "family", name, "catalog"); }
+const Family& Catalog::family(std::string_view name) const {
+  return find_named(families, "family", name, "catalog");
+}
 const Transform& Catalog::transform(std::string_view name) const {
   return find_named(transforms, "transform", name, "catalog");
 }
 
 bool fits(const Estimator& estimator, const Sampler& sampler) {
-  return estimator.fits.empty() || std::any_of(estimator.fits.begin(), estimator.fits.end(), [&](const auto& v) {
-           return std::find(sampler.validity.begin(), sampler.validity.end(), v) != sampler.validity.end();
+  return estimator.fits.empty() ||
+         std::any_of(estimator.fits.begin(), estimator.fits.end(), [&](const auto& v) {
+           return std::find(sampler.validity.begin(), sampler.validity.end(), v) !=
+                  sampler.validity.end();
          });
 }
 

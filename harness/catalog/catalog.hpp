@@ -1,5 +1,5 @@
-// What exists: samplers, integrands, transforms, sums, estimators, read from the embedded files. Nothing here or
-// below lists their names; adding a file to kernels/ or integrands/ adds an entry.
+// What exists: samplers, integrands, transforms, sums, estimators, read from the embedded files.
+// Nothing here or below lists their names; adding a file to kernels/ or integrands/ adds an entry.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ struct SourceFile {
 struct Sampler {
   std::string name, title, citation;
   std::string family;
-  bool centred = false;     // coordinates (k + 1/2) 2^-m in (0,1), else k 2^-m in [0,1)
-  bool replicable = false;  // has independent randomizations
+  bool centred = false;               // coordinates (k + 1/2) 2^-m in (0,1), else k 2^-m in [0,1)
+  bool replicable = false;            // has independent randomizations
   std::vector<std::string> validity;  // iid, unbiased_replicates, linear, pairs (6-definitions 12)
   std::string default_estimator;
   bool power_of_two = false;  // N must be a power of two
@@ -46,8 +46,8 @@ struct Parameter {
   double default_value = 0, min = 0, max = 0;
 };
 
-// Where an exact quantity comes from: a function in the .cl, the mean (mean_abs of a nonnegative f), the values of the
-// entry's checks, or nowhere.
+// Where an exact quantity comes from: a function in the .cl, the mean (mean_abs of a nonnegative
+// f), the values of the entry's checks, or nowhere.
 struct ExactSource {
   enum class Kind { formula, mean, table, none } kind = Kind::none;
   std::string source;
@@ -82,9 +82,9 @@ struct Transform {
 
 struct SumAlgorithm {
   std::string name, title, citation;
-  unsigned words = 1;             // stored words whose exact sum is the value
-  bool needs_fp64 = false;        // stores doubles; else the cell's precision
-  int preference = 0;             // the default is the highest the device can run
+  unsigned words = 1;       // stored words whose exact sum is the value
+  bool needs_fp64 = false;  // stores doubles; else the cell's precision
+  int preference = 0;       // the default is the highest the device can run
   SourceFile code;
 };
 

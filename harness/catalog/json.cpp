@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -25,14 +26,20 @@ const PlainJson& resolve(const PlainJson& schema, const PlainJson& root) {
 }
 
 // Unknown keys are told here rather than by the validator, which would not suggest a spelling.
-void check_keys(const PlainJson& value, const PlainJson& unresolved, const PlainJson& root, const std::string& pointer,
-                std::string_view where) {
+void check_keys(const PlainJson& value, const PlainJson& unresolved, const PlainJson& root,
+                const std::string& pointer, std::string_view where) {
   const PlainJson& schema = resolve(unresolved, root);
   if (value.is_array() && schema.contains("items")) {
     for (std::size_t i = 0; i < value.size(); ++i)
       check_keys(value[i], schema["items"], root, fmt::format("{}/{}", pointer, i), where);
   }
-  if (!value.is_object() || !schema.contains("properties") || schema.contains("patternProperties")) return;
+  if (value.is_object() && schema.contains("patternProperties")) {
+    // Names chosen by the user: the validator checks them, the values all follow the one pattern.
+    for (const auto& [key, inner] : value.items())
+      check_keys(inner, schema["patternProperties"].front(), root, pointer + "/" + key, where);
+    return;
+  }
+  if (!value.is_object() || !schema.contains("properties")) return;
   const PlainJson& properties = schema["properties"];
   const bool closed = schema.value("additionalProperties", PlainJson(true)) == PlainJson(false);
   for (const auto& [key, inner] : value.items()) {
@@ -61,10 +68,15 @@ std::string pointer_of(const std::vector<std::string>& context) {
 
 std::string read_text_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path, "the file cannot be read", "give the path of a readable file");
+  if (!file || std::filesystem::is_directory(path))
+    throw InputError(path, "the file cannot be read", "give the path of a readable file");
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
+}
+
+std::string dumped(const Json& value, int indent) {
+  return value.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 Json parse_json(std::string_view text, std::string_view where) {
@@ -77,7 +89,7 @@ Json parse_json(std::string_view text, std::string_view where) {
 
 void check_schema(const Json& value, std::string_view schema_path, std::string_view where) {
   const PlainJson schema_json = PlainJson::parse(embedded_text(schema_path));
-  const PlainJson plain = PlainJson::parse(value.dump());
+  const PlainJson plain = PlainJson::parse(dumped(value));
   check_keys(plain, schema_json, schema_json, "", where);
 
   valijson::Schema schema;
@@ -99,7 +111,8 @@ void check_schema(const Json& value, std::string_view schema_path, std::string_v
   } catch (const PlainJson::exception&) {
     found = "";
   }
-  throw InputError(fmt::format("{}, at '{}'", where, pointer), found.empty() ? "invalid value" : "found " + found,
+  throw InputError(fmt::format("{}, at '{}'", where, pointer),
+                   found.empty() ? "invalid value" : "found " + found,
                    fmt::format("{} ({})", error.description, schema_path));
 }
 

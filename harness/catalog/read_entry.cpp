@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "error/error.hpp"
 
 namespace koksma {
@@ -13,10 +15,10 @@ ExactSource read_exact(const Json& exact, const char* key) {
   if (found == exact.end()) return result;
   const std::string from = found->at("from");
   using Kind = ExactSource::Kind;
-  result.kind = from == "formula"    ? Kind::formula
-                : from == "mean"     ? Kind::mean
-                : from == "table"    ? Kind::table
-                                     : Kind::none;
+  result.kind = from == "formula" ? Kind::formula
+                : from == "mean"  ? Kind::mean
+                : from == "table" ? Kind::table
+                                  : Kind::none;
   result.source = found->value("source", "");
   return result;
 }
@@ -33,6 +35,25 @@ void read_rates(const Json& rates, std::map<std::string, ExpectedRate>& expected
       rate.log_correction = gate->value("log_correction", false);
     }
     expected[sampler_class] = rate;
+  }
+}
+
+// What the schema cannot say: ranges hold their defaults, and parameters can be told apart.
+void check_ranges(const Integrand& f, std::string_view where) {
+  if (f.default_dim < f.min_dim || f.default_dim > f.max_dim)
+    throw InputError(fmt::format("{}, at '/dimensions/default'", where),
+                     fmt::format("d = {}", f.default_dim),
+                     fmt::format("allowed: {} to {}", f.min_dim, f.max_dim));
+  std::set<std::string> taken{"d"};
+  for (std::size_t i = 0; i < f.parameters.size(); ++i) {
+    const Parameter& p = f.parameters[i];
+    const std::string at = fmt::format("{}, at '/parameters/{}", where, i);
+    if (!(p.default_value >= p.min && p.default_value <= p.max))
+      throw InputError(at + "/default'", fmt::format("{} = {}", p.name, p.default_value),
+                       fmt::format("allowed: {} to {}", p.min, p.max));
+    if (!taken.insert(p.name).second)
+      throw InputError(at + "/name'", fmt::format("the name '{}' is taken", p.name),
+                       "d is the dimension; give every parameter its own name");
   }
 }
 
@@ -83,7 +104,8 @@ Estimator read_estimator(const Json& entry) {
   return e;
 }
 
-Integrand read_integrand(const Json& entry, const Json& classes, std::string_view where, SourceFile code) {
+Integrand read_integrand(const Json& entry, const Json& classes, std::string_view where,
+                         SourceFile code) {
   Integrand f;
   f.name = entry["name"];
   f.title = entry["title"];
@@ -106,6 +128,7 @@ Integrand read_integrand(const Json& entry, const Json& classes, std::string_vie
   f.sample_checks = entry.value("sample_checks", Json::array());
   f.code = std::move(code);
 
+  check_ranges(f, where);
   if (!classes.contains(f.smoothness)) {
     std::vector<std::string> names;
     for (const auto& [name, rates] : classes.items()) names.push_back(name);

@@ -1,4 +1,5 @@
-// koksma explain: the plan of one cell: what its kernel contains, uploads and stores, and what was left out and why.
+// koksma explain: the plan of one cell: what its kernel contains, uploads and stores, and what was
+// left out and why.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,16 +20,28 @@ struct ExplainOptions {
 
 void print_plan(const Plan& plan, std::size_t table_bytes, const DeviceFacts& device) {
   const std::size_t size = plan.fp64() ? 8 : 4;
-  fmt::print("scene       {}\nsampler     {} ({})\nestimator   {}, {} replicate{}\n", plan.cell.scene.text, plan.sampler->name, plan.sampler->title,
-             plan.estimator->name, plan.cell.replicates, plan.cell.replicates == 1 ? "" : "s");
-  fmt::print("precision   {}, coordinates of {} bits in {}\nsum         {}, {} word{} per partial sum, moments: {}\n", precision_name(plan.precision),
-             plan.coordinate_bits, plan.sampler->centred ? "(0,1), centred" : "[0,1), exact", plan.sum->name, plan.sum->words,
-             plan.sum->words == 1 ? "" : "s", plan.estimator->moments);
-  fmt::print("device      {}\nkernel      {} lanes per work-item, local size {}, blocks of 2^{} samples at N = {}\n", device.name,
-             plan.shape.lanes_per_item, plan.shape.local_size, plan.shape.log2_block.value_or(log2_block_length(plan.cell.n.back())), plan.cell.n.back());
-  fmt::print("draws       {} coordinates per sample\npoint table {} bytes, {:.1f} per dimension and replicate\n", plan.request.dim, table_bytes,
-             static_cast<double>(table_bytes) / plan.request.dim / plan.cell.replicates);
-  fmt::print("coefficient table {} bytes\nbuild options {}\n\nleft out\n", plan.integrand->coefficients.size() * plan.cell.scene.dim * size, plan.program.options);
+  fmt::print("scene       {}\nsampler     {} ({})\nestimator   {}, {} replicate{}\n",
+             plan.cell.scene.text, plan.sampler->name, plan.sampler->title, plan.estimator->name,
+             plan.cell.replicates, plan.cell.replicates == 1 ? "" : "s");
+  fmt::print(
+      "precision   {}, coordinates of {} bits in {}\nsum         {}, {} word{} per partial sum, "
+      "moments: {}\n",
+      precision_name(plan.precision), plan.coordinate_bits,
+      plan.sampler->centred ? "(0,1), centred" : "[0,1), exact", plan.sum->name, plan.sum->words,
+      plan.sum->words == 1 ? "" : "s", plan.estimator->moments);
+  fmt::print(
+      "device      {}\nkernel      {} lanes per work-item, local size {}, blocks of 2^{} samples "
+      "at N = {}\n",
+      device.name, plan.shape.lanes_per_item, plan.shape.local_size,
+      plan.shape.log2_block.value_or(log2_block_length(plan.cell.n.back())), plan.cell.n.back());
+  fmt::print(
+      "draws       {} coordinates per sample\npoint table {} bytes, {:.1f} per dimension and "
+      "replicate\n",
+      plan.request.dim, table_bytes,
+      static_cast<double>(table_bytes) / plan.request.dim / plan.cell.replicates);
+  fmt::print("coefficient table {} bytes\nbuild options {}\n\nleft out\n",
+             plan.integrand->coefficients.size() * plan.cell.scene.dim * size,
+             plan.program.options);
   for (const LeftOut& item : plan.left_out) fmt::print("  {}: {}\n", item.what, item.why);
   fmt::print("\nkernel source\n{}", plan.program.text);
 }
@@ -50,17 +63,25 @@ int explain(const ExplainOptions& options) {
 
 void add_explain(CLI::App& app, Action& action) {
   auto options = std::make_shared<ExplainOptions>();
-  CLI::App* verb = app.add_subcommand("explain", "The plan of a cell: kernel source, tables, bytes, what was left out and why");
-  verb->add_option("--scene", options->flags.scenes, "NAME or NAME:d=8,key=value")->required()->expected(1);
+  CLI::App* verb = app.add_subcommand(
+      "explain", "The plan of a cell: kernel source, tables, bytes, what was left out and why");
+  verb->add_option("--scene", options->flags.scenes, "NAME or NAME:d=8,key=value")
+      ->required()
+      ->expected(1);
   verb->add_option("--sampler", options->flags.samplers, "a sampler")->required()->expected(1);
-  verb->add_option("--estimator", options->flags.estimator, "mc, qmc or rqmc; default: what fits the sampler");
+  verb->add_option("--estimator", options->flags.estimator,
+                   "mc, qmc or rqmc; default: what fits the sampler");
   verb->add_option("--n", options->flags.n, "sample counts");
-  verb->add_option("--replicates", options->flags.replicates, "independent randomizations per N")->check(CLI::Range(1, 65536));
-  verb->add_option("--precision", options->flags.precision, "fp32 or fp64")->check(CLI::IsMember({"fp32", "fp64"}));
+  verb->add_option("--replicates", options->flags.replicates, "independent randomizations per N")
+      ->check(CLI::Range(1, 65536));
+  verb->add_option("--precision", options->flags.precision, "fp32 or fp64")
+      ->check(CLI::IsMember({"fp32", "fp64"}));
   verb->add_option("--sum", options->flags.sum, "summation algorithm");
   verb->add_option("--device", options->device, "P:D or part of a name");
-  verb->add_option("--integrand", options->integrands, "an integrand of your own; repeatable")->allow_extra_args(false);
-  verb->add_option("--directions", options->directions, "Sobol' direction numbers in Joe and Kuo's format");
+  verb->add_option("--integrand", options->integrands, "an integrand of your own; repeatable")
+      ->allow_extra_args(false);
+  verb->add_option("--directions", options->directions,
+                   "Sobol' direction numbers in Joe and Kuo's format");
   verb->callback([options, &action] { action = [options] { return explain(*options); }; });
 }
 

@@ -45,9 +45,19 @@ Json list_integrands(const Catalog& catalog) {
   for (const Integrand& f : catalog.integrands) {
     Json parameters = Json::array();
     for (const Parameter& p : f.parameters)
-      parameters.push_back({{"name", p.name}, {"default", p.default_value}, {"min", p.min}, {"max", p.max}, {"meaning", p.meaning}});
-    list.push_back({{"name", f.name}, {"title", f.title}, {"class", f.smoothness}, {"dimensions", fmt::format("{}..{}", f.min_dim, f.max_dim)},
-                    {"truth", truth(f.mean)}, {"citation", f.citation}, {"parameters", parameters}, {"file", f.code.path}});
+      parameters.push_back({{"name", p.name},
+                            {"default", p.default_value},
+                            {"min", p.min},
+                            {"max", p.max},
+                            {"meaning", p.meaning}});
+    list.push_back({{"name", f.name},
+                    {"title", f.title},
+                    {"class", f.smoothness},
+                    {"dimensions", fmt::format("{}..{}", f.min_dim, f.max_dim)},
+                    {"truth", truth(f.mean)},
+                    {"citation", f.citation},
+                    {"parameters", parameters},
+                    {"file", f.code.path}});
   }
   return list;
 }
@@ -55,25 +65,38 @@ Json list_integrands(const Catalog& catalog) {
 Json list_samplers(const Catalog& catalog) {
   Json list = Json::array();
   for (const Sampler& s : catalog.samplers)
-    list.push_back({{"name", s.name}, {"title", s.title}, {"family", s.family}, {"estimators", fitting_estimators(catalog, s)},
-                    {"range", s.centred ? "(0,1)" : "[0,1)"}, {"max_dim", s.max_dim}, {"max_log2_n", s.max_log2_n},
-                    {"power_of_two", s.power_of_two}, {"citation", s.citation}});
+    list.push_back({{"name", s.name},
+                    {"title", s.title},
+                    {"family", s.family},
+                    {"estimators", fitting_estimators(catalog, s)},
+                    {"range", s.centred ? "(0,1)" : "[0,1)"},
+                    {"max_dim", s.max_dim},
+                    {"max_log2_n", s.max_log2_n},
+                    {"power_of_two", s.power_of_two},
+                    {"citation", s.citation}});
   return list;
 }
 
 template <typename Entries>
 Json list_titled(const Entries& entries) {
   Json list = Json::array();
-  for (const auto& e : entries) list.push_back({{"name", e.name}, {"title", e.title}, {"citation", e.citation}});
+  for (const auto& e : entries)
+    list.push_back({{"name", e.name}, {"title", e.title}, {"citation", e.citation}});
   return list;
 }
 
 Json list_all_devices() {
   Json list = Json::array();
   for (const DeviceListing& d : list_devices())
-    list.push_back({{"name", fmt::format("{}:{}", d.platform, d.device)}, {"title", d.facts.name}, {"platform", d.facts.platform},
-                    {"driver", d.facts.driver}, {"fp64", d.facts.fp64}, {"compute_units", d.facts.compute_units}});
-  if (list.empty()) throw NoDeviceError("no OpenCL device: no platform is installed; on Debian: apt-get install pocl-opencl-icd");
+    list.push_back({{"name", fmt::format("{}:{}", d.platform, d.device)},
+                    {"title", d.facts.name},
+                    {"platform", d.facts.platform},
+                    {"driver", d.facts.driver},
+                    {"fp64", d.facts.fp64},
+                    {"compute_units", d.facts.compute_units}});
+  if (list.empty())
+    throw NoDeviceError(
+        "no OpenCL device: no platform is installed; on Debian: apt-get install pocl-opencl-icd");
   return list;
 }
 
@@ -81,13 +104,17 @@ void print_list(const Json& list) {
   std::size_t width = 0;
   for (const Json& entry : list) width = std::max(width, entry["name"].get<std::string>().size());
   for (const Json& entry : list) {
-    fmt::print("{:<{}}  {}", entry["name"].get<std::string>(), width, entry["title"].get<std::string>());
+    fmt::print("{:<{}}  {}", entry["name"].get<std::string>(), width,
+               entry["title"].get<std::string>());
     if (entry.contains("class"))
-      fmt::print("  [{}; d {}; truth: {}]", entry["class"].get<std::string>(), entry["dimensions"].get<std::string>(), entry["truth"].get<std::string>());
-    if (entry.contains("estimators")) fmt::print("  [{}]", fmt::join(entry["estimators"].get<std::vector<std::string>>(), ", "));
+      fmt::print("  [{}; d {}; truth: {}]", entry["class"].get<std::string>(),
+                 entry["dimensions"].get<std::string>(), entry["truth"].get<std::string>());
+    if (entry.contains("estimators"))
+      fmt::print("  [{}]", fmt::join(entry["estimators"].get<std::vector<std::string>>(), ", "));
     if (entry.contains("platform"))
-      fmt::print("  ({}, driver {}, {} compute units, {})", entry["platform"].get<std::string>(), entry["driver"].get<std::string>(),
-                 entry["compute_units"].get<unsigned>(), entry["fp64"].get<bool>() ? "fp64" : "no fp64");
+      fmt::print("  ({}, driver {}, {} compute units, {})", entry["platform"].get<std::string>(),
+                 entry["driver"].get<std::string>(), entry["compute_units"].get<unsigned>(),
+                 entry["fp64"].get<bool>() ? "fp64" : "no fp64");
     fmt::print("\n");
   }
 }
@@ -95,9 +122,12 @@ void print_list(const Json& list) {
 int list(const ListOptions& options) {
   const Catalog catalog = load_catalog(options.integrands);
   const std::map<std::string, std::function<Json()>> kinds{
-      {"scenes", [&] { return list_scenes(catalog); }},         {"integrands", [&] { return list_integrands(catalog); }},
-      {"samplers", [&] { return list_samplers(catalog); }},     {"estimators", [&] { return list_titled(catalog.estimators); }},
-      {"sums", [&] { return list_titled(catalog.sums); }},      {"devices", [] { return list_all_devices(); }},
+      {"scenes", [&] { return list_scenes(catalog); }},
+      {"integrands", [&] { return list_integrands(catalog); }},
+      {"samplers", [&] { return list_samplers(catalog); }},
+      {"estimators", [&] { return list_titled(catalog.estimators); }},
+      {"sums", [&] { return list_titled(catalog.sums); }},
+      {"devices", [] { return list_all_devices(); }},
   };
   const auto found = kinds.find(options.kind);
   if (found == kinds.end()) {
@@ -117,9 +147,14 @@ int list(const ListOptions& options) {
 
 void add_list(CLI::App& app, Action& action) {
   auto options = std::make_shared<ListOptions>();
-  CLI::App* verb = app.add_subcommand("list", "What there is: scenes, integrands, samplers, estimators, sums, devices");
-  verb->add_option("kind", options->kind, "scenes, integrands, samplers, estimators, sums or devices")->required();
-  verb->add_option("--integrand", options->integrands, "an integrand of your own to list too; repeatable")->allow_extra_args(false);
+  CLI::App* verb = app.add_subcommand(
+      "list", "What there is: scenes, integrands, samplers, estimators, sums, devices");
+  verb->add_option("kind", options->kind,
+                   "scenes, integrands, samplers, estimators, sums or devices")
+      ->required();
+  verb->add_option("--integrand", options->integrands,
+                   "an integrand of your own to list too; repeatable")
+      ->allow_extra_args(false);
   verb->add_flag("--json", options->json, "everything known, as JSON");
   verb->callback([options, &action] { action = [options] { return list(*options); }; });
 }

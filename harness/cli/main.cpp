@@ -28,24 +28,35 @@ std::string nearest_option(const CLI::App& app, const std::string& argument) {
   return koksma::nearest_name(argument.substr(0, argument.find('=')), known);
 }
 
+// An argument that nothing takes says more than the option that is missing because of it.
+std::string unknown_argument(const CLI::App& app) {
+  const auto remaining = app.remaining(true);
+  if (remaining.empty()) return "";
+  const std::string& unknown = remaining.front();
+  const std::string nearest = nearest_option(app, unknown);
+  const char* kind = unknown.starts_with('-')        ? "flag"
+                     : app.get_subcommands().empty() ? "verb"
+                                                     : "argument";
+  return fmt::format("unknown {} '{}'{}", kind, unknown,
+                     nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest));
+}
+
 int parse_failure(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-  std::string hint;
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
-    std::string unknown;
-    auto remaining = app.remaining(true);
-    if (!remaining.empty()) unknown = remaining.front();
-    const std::string nearest = nearest_option(app, unknown);
-    if (!nearest.empty()) hint = fmt::format("; did you mean '{}'?", nearest);
-  }
-  fmt::print(stderr, "koksma: {}{}\nSee koksma --help, or --help after a verb.\n", error.what(), hint);
+  const bool may_be_unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+                              dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  const std::string unknown = may_be_unknown ? unknown_argument(app) : "";
+  fmt::print(stderr, "koksma: {}\nSee koksma --help, or --help after a verb.\n",
+             unknown.empty() ? error.what() : unknown);
   return koksma::kBadInput;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"koksma: error against run time of Monte Carlo and quasi-Monte Carlo integration through OpenCL"};
+  CLI::App app{
+      "koksma: error against run time of Monte Carlo and quasi-Monte Carlo integration through "
+      "OpenCL"};
   app.set_version_flag("--version", koksma::build_info().version);
   app.require_subcommand(1);
   koksma::Action action;

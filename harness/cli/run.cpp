@@ -42,8 +42,13 @@ CellResult refused(const Cell& cell, CellStatus status, const std::string& reaso
 
 class Run {
  public:
-  Run(const RunOptions& options, const Catalog& catalog, const Study& study, Device& device, Journal& journal)
-      : options_(options), catalog_(catalog), study_(study), device_(device), journal_(journal),
+  Run(const RunOptions& options, const Catalog& catalog, const Study& study, Device& device,
+      Journal& journal)
+      : options_(options),
+        catalog_(catalog),
+        study_(study),
+        device_(device),
+        journal_(journal),
         progress_(stderr, study.cells.size(), options.quiet) {}
 
   // JSON of every cell, in the study's order.
@@ -51,7 +56,8 @@ class Run {
     Device exact_device = Device::choose_exact(device_);
     for (const Cell& cell : study_.cells) slots_.push_back(prepare(cell, exact_device));
     Json cells = Json::array();
-    for (std::size_t i = 0; i < slots_.size(); ++i) cells.push_back(finish(study_.cells[i], slots_[i]));
+    for (std::size_t i = 0; i < slots_.size(); ++i)
+      cells.push_back(finish(study_.cells[i], slots_[i]));
     progress_.clear();
     return cells;
   }
@@ -69,9 +75,11 @@ class Run {
     progress_.stage(fmt::format("building {} with {}", cell.scene.text, cell.sampler));
     try {
       Plan plan = make_plan(catalog_, cell, device_.facts(), options_.directions);
-      slot.prepared = std::make_unique<PreparedCell>(catalog_, device_, exact_device, std::move(plan));
+      slot.prepared =
+          std::make_unique<PreparedCell>(catalog_, device_, exact_device, std::move(plan));
     } catch (const UnsupportedError& error) {
-      slot.json = cell_to_json(catalog_, refused(cell, CellStatus::unsupported, error.what()), nullptr);
+      slot.json =
+          cell_to_json(catalog_, refused(cell, CellStatus::unsupported, error.what()), nullptr);
     } catch (const BuildError& error) {
       fail(slot, cell, error.what());
     } catch (const DeviceError& error) {
@@ -102,9 +110,10 @@ class Run {
     }
     const Json& json = *slot.json;
     const bool has_error = !json["rows"].empty() && json["rows"].back()["rmse"].is_number();
-    progress_.finished(fmt::format("{} with {}: {}", cell.scene.text, cell.sampler,
-                                   has_error ? fmt::format("RMSE {:.2e}", json["rows"].back()["rmse"].get<double>())
-                                             : json["status"].get<std::string>()));
+    progress_.finished(fmt::format(
+        "{} with {}: {}", cell.scene.text, cell.sampler,
+        has_error ? fmt::format("RMSE {:.2e}", json["rows"].back()["rmse"].get<double>())
+                  : json["status"].get<std::string>()));
     return json;
   }
 
@@ -118,23 +127,39 @@ class Run {
   bool failed_ = false;
 };
 
+// The user's files decide results too: cells measured with other contents are not taken over.
+void add_input_files(Json& context, const RunOptions& options) {
+  std::vector<std::string> paths;
+  for (const std::string& path : options.integrands) {
+    paths.push_back(path);
+    paths.push_back(std::filesystem::path(path).replace_extension(".cl").string());
+  }
+  if (!options.directions.empty()) paths.push_back(options.directions);
+  for (const std::string& path : paths)
+    context["files"][path] = std::hash<std::string>{}(read_text_file(path));
+}
+
 int run(const RunOptions& options, const std::string& command_line) {
   const Catalog catalog = load_catalog(options.integrands);
   StudyFlags flags = options.flags;
   flags.own_directions = !options.directions.empty();
   const Study study = read_study(catalog, options.study, flags);
-  Device device = Device::choose(options.device);
-
   std::string out = options.out;
   if (out.empty()) {
     out = "results/latest.json";
     std::error_code ignored;
     std::filesystem::create_directories("results", ignored);
   }
+  check_writable(out);
+  Device device = Device::choose(options.device);
+
   const Json context = make_context(device.facts(), study, command_line);
-  Journal journal(out, resume_context(context), options.resume);
+  Json same_context = resume_context(context);
+  add_input_files(same_context, options);
+  Journal journal(out, same_context, options.resume);
   if (!options.quiet && journal.taken_over() > 0)
-    fmt::print(stderr, "{} finished cells taken over from {}\n", journal.taken_over(), journal.path());
+    fmt::print(stderr, "{} finished cells taken over from {}\n", journal.taken_over(),
+               journal.path());
 
   Run work(options, catalog, study, device, journal);
   const Json results = make_results(context, work.cells());
@@ -148,23 +173,43 @@ int run(const RunOptions& options, const std::string& command_line) {
 
 void add_run(CLI::App& app, Action& action, const std::string& command_line) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* verb = app.add_subcommand("run", "Run a study: error against N and against time, as a table and as JSON");
-  verb->add_option("study", options->study, "study file; without one, the default study")->option_text("STUDY.json");
-  verb->add_option("--scene", options->flags.scenes, "NAME or NAME:d=8,key=value (see koksma list scenes); repeatable")->allow_extra_args(false);
-  verb->add_option("--sampler", options->flags.samplers, "a sampler (see koksma list samplers); repeatable")->allow_extra_args(false);
-  verb->add_option("--estimator", options->flags.estimator, "mc, qmc or rqmc; default: what fits the sampler");
-  verb->add_option("--n", options->flags.n, "sample counts: 2^8..2^20, 1000, or a list with commas");
-  verb->add_option("--replicates", options->flags.replicates, "independent randomizations per N")->check(CLI::Range(1, 65536));
-  verb->add_option("--precision", options->flags.precision, "fp32 or fp64; default: fp64 where the device has it")->check(CLI::IsMember({"fp32", "fp64"}));
-  verb->add_option("--sum", options->flags.sum, "summation algorithm: naive, kahan, double");
-  verb->add_option("--seed", options->flags.seed, "seed of all randomizations");
-  verb->add_option("--device", options->device, "P:D or part of a name (see koksma list devices); default: PoCL");
-  verb->add_option("--out", options->out, "results file; default: results/latest.json")->option_text("FILE.json");
-  verb->add_option("--integrand", options->integrands, "an integrand of your own: F.json with F.cl beside it; repeatable")->allow_extra_args(false);
-  verb->add_option("--directions", options->directions, "Sobol' direction numbers in Joe and Kuo's format")->option_text("FILE");
+  CLI::App* verb = app.add_subcommand(
+      "run", "Run a study: error against N and against time, as a table and as JSON");
+  verb->add_option("study", options->study, "study file; without one, the default study")
+      ->option_text("STUDY.json");
+  verb->add_option("--scene", options->flags.scenes,
+                   "NAME or NAME:d=8,key=value (see koksma list scenes); repeatable")
+      ->allow_extra_args(false);
+  verb->add_option("--sampler", options->flags.samplers,
+                   "a sampler (see koksma list samplers); repeatable")
+      ->allow_extra_args(false);
+  verb->add_option("--estimator", options->flags.estimator,
+                   "mc, qmc or rqmc; default: what fits the sampler");
+  verb->add_option("--n", options->flags.n,
+                   "sample counts: 2^8..2^20, 1000, or a list with commas");
+  verb->add_option("--replicates", options->flags.replicates, "independent randomizations per N")
+      ->check(CLI::Range(1, 65536));
+  verb->add_option("--precision", options->flags.precision,
+                   "fp32 or fp64; default: fp64 where the device has it")
+      ->check(CLI::IsMember({"fp32", "fp64"}));
+  verb->add_option("--sum", options->flags.sum, "summation algorithm (see koksma list sums)");
+  verb->add_option("--seed", options->flags.seed, "seed of all randomizations")
+      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed));
+  verb->add_option("--device", options->device,
+                   "P:D or part of a name (see koksma list devices); default: PoCL");
+  verb->add_option("--out", options->out, "results file; default: results/latest.json")
+      ->option_text("FILE.json");
+  verb->add_option("--integrand", options->integrands,
+                   "an integrand of your own: F.json with F.cl beside it; repeatable")
+      ->allow_extra_args(false);
+  verb->add_option("--directions", options->directions,
+                   "Sobol' direction numbers in Joe and Kuo's format")
+      ->option_text("FILE");
   verb->add_flag("--resume", options->resume, "take over the finished cells of an interrupted run");
   verb->add_flag("--quiet", options->quiet, "no table and no progress");
-  verb->callback([options, &action, command_line] { action = [options, command_line] { return run(*options, command_line); }; });
+  verb->callback([options, &action, command_line] {
+    action = [options, command_line] { return run(*options, command_line); };
+  });
 }
 
 }  // namespace koksma

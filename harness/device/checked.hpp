@@ -1,4 +1,5 @@
-// Turns the C++ bindings' exceptions into DeviceError, which names the OpenCL call and its error code.
+// Turns the C++ bindings' exceptions into DeviceError, which names the OpenCL call and its error
+// code.
 #pragma once
 
 #include "device/device.hpp"

@@ -65,25 +65,30 @@ std::vector<Candidate> candidates() {
   for (std::size_t p = 0; p < all.size(); ++p) {
     const auto devices = devices_of(all[p]);
     for (std::size_t d = 0; d < devices.size(); ++d)
-      found.push_back({static_cast<int>(p), static_cast<int>(d), devices[d], facts_of(all[p], devices[d])});
+      found.push_back(
+          {static_cast<int>(p), static_cast<int>(d), devices[d], facts_of(all[p], devices[d])});
   }
   return found;
 }
 
 std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
 bool matches(const Candidate& c, const std::string& selector) {
   if (selector == fmt::format("{}:{}", c.platform_index, c.device_index)) return true;
   const std::string wanted = lower(selector);
-  return lower(c.facts.name).find(wanted) != std::string::npos || lower(c.facts.platform).find(wanted) != std::string::npos;
+  return lower(c.facts.name).find(wanted) != std::string::npos ||
+         lower(c.facts.platform).find(wanted) != std::string::npos;
 }
 
 std::string describe(const std::vector<Candidate>& all) {
   std::string text;
-  for (const Candidate& c : all) text += fmt::format("\n  {}:{}  {} ({})", c.platform_index, c.device_index, c.facts.name, c.facts.platform);
+  for (const Candidate& c : all)
+    text += fmt::format("\n  {}:{}  {} ({})", c.platform_index, c.device_index, c.facts.name,
+                        c.facts.platform);
   return text;
 }
 
@@ -91,7 +96,8 @@ std::string describe(const std::vector<Candidate>& all) {
 
 std::vector<DeviceListing> list_devices() {
   std::vector<DeviceListing> result;
-  for (const Candidate& c : candidates()) result.push_back({c.platform_index, c.device_index, c.facts});
+  for (const Candidate& c : candidates())
+    result.push_back({c.platform_index, c.device_index, c.facts});
   return result;
 }
 
@@ -104,11 +110,18 @@ Device::Device(cl::Device device, DeviceFacts facts)
 Device Device::choose(const std::string& selector) {
   const auto all = candidates();
   if (all.empty())
-    throw NoDeviceError("no OpenCL device: no platform is installed; on Debian: apt-get install pocl-opencl-icd");
-  auto chosen = selector.empty() ? std::find_if(all.begin(), all.end(), [](const Candidate& c) { return c.facts.platform == kPoclPlatform; })
-                                 : std::find_if(all.begin(), all.end(), [&](const Candidate& c) { return matches(c, selector); });
+    throw NoDeviceError(
+        "no OpenCL device: no platform is installed; on Debian: apt-get install pocl-opencl-icd");
+  auto chosen =
+      selector.empty()
+          ? std::find_if(all.begin(), all.end(),
+                         [](const Candidate& c) { return c.facts.platform == kPoclPlatform; })
+          : std::find_if(all.begin(), all.end(),
+                         [&](const Candidate& c) { return matches(c, selector); });
   if (chosen == all.end() && !selector.empty())
-    throw NoDeviceError(fmt::format("--device: '{}' matches no device; there are (P:D, name, platform):{}", selector, describe(all)));
+    throw NoDeviceError(
+        fmt::format("--device: '{}' matches no device; there are (P:D, name, platform):{}",
+                    selector, describe(all)));
   if (chosen == all.end()) chosen = all.begin();
   return checked([&] { return Device(chosen->device, chosen->facts); });
 }
@@ -116,9 +129,12 @@ Device Device::choose(const std::string& selector) {
 Device Device::choose_exact(const Device& preferred) {
   if (preferred.facts_.is_cpu && preferred.facts_.fp64) return preferred;
   const auto all = candidates();
-  const auto chosen = std::find_if(all.begin(), all.end(), [](const Candidate& c) { return c.facts.is_cpu && c.facts.fp64; });
+  const auto chosen = std::find_if(
+      all.begin(), all.end(), [](const Candidate& c) { return c.facts.is_cpu && c.facts.fp64; });
   if (chosen == all.end())
-    throw NoDeviceError("exact values need a CPU device with fp64 and there is none; on Debian: apt-get install pocl-opencl-icd");
+    throw NoDeviceError(
+        "exact values need a CPU device with fp64 and there is none; on Debian: apt-get install "
+        "pocl-opencl-icd");
   return checked([&] { return Device(chosen->device, chosen->facts); });
 }
 
@@ -139,12 +155,14 @@ BuiltProgram Device::build(const ProgramSource& source) {
 
 cl::Buffer Device::upload(const void* data, std::size_t bytes) {
   cl::Buffer buffer = allocate(bytes);
-  if (bytes > 0) checked([&] { return queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, data); });
+  if (bytes > 0)
+    checked([&] { return queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, data); });
   return buffer;
 }
 
 cl::Buffer Device::allocate(std::size_t bytes) {
-  return checked([&] { return cl::Buffer(context_, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 8)); });
+  return checked(
+      [&] { return cl::Buffer(context_, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 8)); });
 }
 
 double event_seconds(const cl::Event& event) {

@@ -26,17 +26,20 @@ struct BuiltProgram {
 
 class Device {
  public:
-  // selector: "" (PoCL where there is one, else the first device), "P:D" (indices of `koksma list devices`) or a part
-  // of the platform's or the device's name, ignoring case. NoDeviceError when there is none or nothing matches.
+  // selector: "" (PoCL where there is one, else the first device), "P:D" (indices of `koksma list
+  // devices`) or a part of the platform's or the device's name, ignoring case. NoDeviceError when
+  // there is none or nothing matches.
   static Device choose(const std::string& selector);
-  // A CPU device with fp64 for exact values: this one if it is such, else the first found; NoDeviceError otherwise.
+  // A CPU device with fp64 for exact values: this one if it is such, else the first found;
+  // NoDeviceError otherwise.
   static Device choose_exact(const Device& preferred);
 
   const DeviceFacts& facts() const { return facts_; }
   cl::Context& context() { return context_; }
   cl::CommandQueue& queue() { return queue_; }
 
-  // Builds, or takes from the programs this object has built (by text and options). BuildError with the log.
+  // Builds, or takes from the programs this object has built (by text and options). BuildError with
+  // the log.
   BuiltProgram build(const ProgramSource& source);
 
   // A read-only buffer with these bytes (at least 8 are allocated).

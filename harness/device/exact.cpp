@@ -11,7 +11,8 @@ using Kind = ExactSource::Kind;
 bool same_scene(const Json& check, const Integrand& f, const Scene& scene) {
   if (check["d"] != scene.dim) return false;
   for (std::size_t i = 0; i < f.parameters.size(); ++i) {
-    const double value = check["parameters"].value(f.parameters[i].name, f.parameters[i].default_value);
+    const double value =
+        check["parameters"].value(f.parameters[i].name, f.parameters[i].default_value);
     if (value != scene.parameters[i]) return false;
   }
   return true;
@@ -19,12 +20,14 @@ bool same_scene(const Json& check, const Integrand& f, const Scene& scene) {
 
 std::optional<double> from_table(const Integrand& f, const Scene& scene, const char* key) {
   for (const Json& check : f.checks)
-    if (same_scene(check, f, scene) && check.contains(key) && check[key].is_string()) return std::stod(check[key].get<std::string>());
+    if (same_scene(check, f, scene) && check.contains(key) && check[key].is_string())
+      return std::stod(check[key].get<std::string>());
   return std::nullopt;
 }
 
-std::optional<double> resolve(const ExactSource& source, double computed, const std::optional<double>& mean,
-                              const Integrand& f, const Scene& scene, const char* key) {
+std::optional<double> resolve(const ExactSource& source, double computed,
+                              const std::optional<double>& mean, const Integrand& f,
+                              const Scene& scene, const char* key) {
   switch (source.kind) {
     case Kind::formula:
       return std::isfinite(computed) ? std::optional(computed) : std::nullopt;
@@ -43,11 +46,13 @@ std::optional<double> resolve(const ExactSource& source, double computed, const 
 ExactValues compute_exact(Device& device, const Integrand& f, const Scene& scene) {
   ExactValues result;
   std::array<double, 3> out{};
-  const bool computes = f.mean.kind == Kind::formula || f.variance.kind == Kind::formula || f.mean_abs.kind == Kind::formula;
+  const bool computes = f.mean.kind == Kind::formula || f.variance.kind == Kind::formula ||
+                        f.mean_abs.kind == Kind::formula;
   if (computes || !f.coefficients.empty()) {
     const BuiltProgram built = device.build(exact_program(f));
     checked([&] {
-      const cl::Buffer values = device.upload(scene.parameters.data(), scene.parameters.size() * sizeof(double));
+      const cl::Buffer values =
+          device.upload(scene.parameters.data(), scene.parameters.size() * sizeof(double));
       cl::CommandQueue& queue = device.queue();
       if (computes) {
         const cl::Buffer buffer = device.allocate(sizeof(out));
@@ -66,7 +71,8 @@ ExactValues compute_exact(Device& device, const Integrand& f, const Scene& scene
         kernel.setArg(1, cl_uint{scene.dim});
         kernel.setArg(2, buffer);
         queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(scene.dim), cl::NDRange(1));
-        queue.enqueueReadBuffer(buffer, CL_TRUE, 0, result.coefficients.size() * sizeof(double), result.coefficients.data());
+        queue.enqueueReadBuffer(buffer, CL_TRUE, 0, result.coefficients.size() * sizeof(double),
+                                result.coefficients.data());
       }
     });
   }

@@ -13,8 +13,9 @@ struct ExactValues {
   std::vector<double> coefficients;  // [dimension][coefficient]
 };
 
-// Runs the integrand's exact program. Quantities that the entry says do not exist stay empty; infinite ones too.
-// "table" entries are looked up among the entry's checks (same d and parameters).
+// Runs the integrand's exact program. Quantities that the entry says do not exist stay empty;
+// infinite ones too. "table" entries are looked up among the entry's checks (same d and
+// parameters).
 ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene);
 
 }  // namespace koksma

@@ -9,12 +9,15 @@ namespace koksma {
 namespace {
 
 constexpr std::uint32_t kLanes = 16;
-// Bound on blocks x replicates of a launch: 2^13 * 16 partial sums are 1 MiB per word, enough items for any device.
+// Bound on blocks x replicates of a launch: 2^13 * 16 partial sums are 1 MiB per word, enough items
+// for any device.
 constexpr std::uint64_t kBlocksPerLaunch = std::uint64_t{1} << 13;
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 // Uploads doubles in the precision of the plan.
 cl::Buffer upload_reals(Device& device, const std::vector<double>& values, bool fp64) {
@@ -30,17 +33,23 @@ void set_real(cl::Kernel& kernel, cl_uint index, double value, bool fp64) {
     kernel.setArg(index, static_cast<cl_float>(value));
 }
 
-std::uint64_t rounded_up(std::uint64_t value, std::uint64_t unit) { return (value + unit - 1) / unit * unit; }
+std::uint64_t rounded_up(std::uint64_t value, std::uint64_t unit) {
+  return (value + unit - 1) / unit * unit;
+}
 
 }  // namespace
 
 Integrator::Integrator(Device& device, const Plan& plan, const std::vector<double>& coefficients)
+    : Integrator(device, plan, coefficients, {}) {}
+
+Integrator::Integrator(Device& device, const Plan& plan, const std::vector<double>& coefficients,
+                       const std::vector<std::byte>& given_table)
     : device_(device), plan_(plan) {
   const BuiltProgram built = device.build(plan.program);
   build_s_ = built.build_s;
   const auto start = Clock::now();
   kernel_ = checked([&] { return cl::Kernel(built.program, "integrate"); });
-  const std::vector<std::byte> table = build_point_table(plan);
+  const std::vector<std::byte> table = given_table.empty() ? build_point_table(plan) : given_table;
   table_bytes_ = table.size();
   table_ = device.upload(table.data(), table.size());
   values_ = upload_reals(device, plan.cell.scene.parameters, plan.fp64());
@@ -54,17 +63,20 @@ std::uint32_t Integrator::log2_block(std::uint64_t n) const {
 }
 
 template <typename Body>
-double Integrator::for_each_launch(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block,
-                                   std::uint64_t end_block, std::uint32_t replicates, double y0, cl::Kernel& kernel,
+double Integrator::for_each_launch(std::uint64_t n, std::uint32_t log2_block,
+                                   std::uint64_t first_block, std::uint64_t end_block,
+                                   std::uint32_t replicates, double y0, cl::Kernel& kernel,
                                    Body&& body) {
   const std::uint64_t most = plan_.shape.items_per_launch.value_or(kBlocksPerLaunch);
-  const auto replicates_at_once = static_cast<std::uint32_t>(std::min<std::uint64_t>(replicates, most));
+  const auto replicates_at_once =
+      static_cast<std::uint32_t>(std::min<std::uint64_t>(replicates, most));
   const std::uint64_t blocks_at_once = std::max<std::uint64_t>(most / replicates_at_once, 1);
   double seconds = 0;
   for (std::uint64_t block = first_block; block < end_block; block += blocks_at_once) {
     for (std::uint32_t r = 0; r < replicates; r += replicates_at_once) {
-      const Launch launch_now{n,         block, std::min(blocks_at_once, end_block - block), log2_block, r,
-                              std::min(replicates_at_once, replicates - r), y0};
+      const Launch launch_now{n,          block, std::min(blocks_at_once, end_block - block),
+                              log2_block, r,     std::min(replicates_at_once, replicates - r),
+                              y0};
       seconds += launch(kernel, launch_now);
       body(launch_now);
     }
@@ -78,15 +90,17 @@ double Integrator::run(std::uint64_t n, double y0, const PartialSums& take) {
   return run_blocks(n, b, 0, blocks, plan_.cell.replicates, y0, take);
 }
 
-double Integrator::run_blocks(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block, std::uint64_t end_block,
-                              std::uint32_t replicates, double y0, const PartialSums& take) {
+double Integrator::run_blocks(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block,
+                              std::uint64_t end_block, std::uint32_t replicates, double y0,
+                              const PartialSums& take) {
   return for_each_launch(n, log2_block, first_block, end_block, replicates, y0, kernel_,
                          [&](const Launch& launched) { read_partials(launched, take); });
 }
 
 double Integrator::launch(cl::Kernel& kernel, const Launch& l) {
   return checked([&] {
-    const std::size_t bytes = std::size_t{plan_.words()} * l.replicates * l.blocks * kLanes * (plan_.stores_doubles() ? 8 : 4);
+    const std::size_t bytes = std::size_t{plan_.words()} * l.replicates * l.blocks * kLanes *
+                              (plan_.stores_doubles() ? 8 : 4);
     if (bytes > out_bytes_) {
       out_ = device_.allocate(bytes);
       out_bytes_ = bytes;
@@ -95,15 +109,17 @@ double Integrator::launch(cl::Kernel& kernel, const Launch& l) {
     kernel.setArg(arg++, table_);
     kernel.setArg(arg++, values_);
     kernel.setArg(arg++, coefficients_);
-    for (const std::uint64_t value : {l.first_block, l.blocks, l.n, plan_.cell.seed}) kernel.setArg(arg++, cl_ulong{value});
+    for (const std::uint64_t value : {l.first_block, l.blocks, l.n, plan_.cell.seed})
+      kernel.setArg(arg++, cl_ulong{value});
     kernel.setArg(arg++, cl_uint{l.log2_block});
     kernel.setArg(arg++, cl_uint{l.first_replicate});
     set_real(kernel, arg++, l.y0, plan_.stores_doubles());
     kernel.setArg(arg++, out_);
     const std::uint64_t items = l.blocks * (kLanes / plan_.shape.lanes_per_item);
     cl::Event event;
-    device_.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(rounded_up(items, plan_.shape.local_size), l.replicates),
-                                         cl::NDRange(plan_.shape.local_size, 1), nullptr, &event);
+    device_.queue().enqueueNDRangeKernel(
+        kernel, cl::NullRange, cl::NDRange(rounded_up(items, plan_.shape.local_size), l.replicates),
+        cl::NDRange(plan_.shape.local_size, 1), nullptr, &event);
     event.wait();
     return event_seconds(event);
   });
@@ -114,10 +130,15 @@ void Integrator::read_partials(const Launch& l, const PartialSums& take) {
   const std::size_t count = per_replicate * l.replicates * plan_.words();
   doubles_.resize(count);
   if (plan_.stores_doubles()) {
-    checked([&] { return device_.queue().enqueueReadBuffer(out_, CL_TRUE, 0, count * sizeof(double), doubles_.data()); });
+    checked([&] {
+      return device_.queue().enqueueReadBuffer(out_, CL_TRUE, 0, count * sizeof(double),
+                                               doubles_.data());
+    });
   } else {
     raw_.resize(count * sizeof(float));
-    checked([&] { return device_.queue().enqueueReadBuffer(out_, CL_TRUE, 0, raw_.size(), raw_.data()); });
+    checked([&] {
+      return device_.queue().enqueueReadBuffer(out_, CL_TRUE, 0, raw_.size(), raw_.data());
+    });
     for (std::size_t i = 0; i < count; ++i) {
       float narrow = 0;
       std::memcpy(&narrow, raw_.data() + i * sizeof(float), sizeof(float));
@@ -133,10 +154,11 @@ void Integrator::read_partials(const Launch& l, const PartialSums& take) {
 std::vector<double> Integrator::first_values() {
   // One block of 16 samples: every lane's partial sum is one value.
   std::vector<double> values(kLanes, 0.0);
-  run_blocks(kLanes, 4, 0, 1, 1, 0.0, [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
-    if (word >= plan_.sum->words) return;  // squares
-    for (std::size_t lane = 0; lane < kLanes; ++lane) values[lane] += partials[lane];
-  });
+  run_blocks(kLanes, 4, 0, 1, 1, 0.0,
+             [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
+               if (word >= plan_.sum->words) return;  // squares
+               for (std::size_t lane = 0; lane < kLanes; ++lane) values[lane] += partials[lane];
+             });
   return values;
 }
 
@@ -149,16 +171,22 @@ std::uint64_t Integrator::count_nonfinite(const Catalog& catalog, std::uint64_t 
   const std::uint64_t blocks = rounded_up(n, std::uint64_t{1} << b) >> b;
   const std::uint64_t groups = kLanes / plan_.shape.lanes_per_item;
   const std::uint64_t most = plan_.shape.items_per_launch.value_or(kBlocksPerLaunch);
-  const std::uint64_t items = std::min<std::uint64_t>(blocks * plan_.cell.replicates, std::max<std::uint64_t>(most, 1)) * groups;
+  const std::uint64_t items =
+      std::min<std::uint64_t>(blocks * plan_.cell.replicates, std::max<std::uint64_t>(most, 1)) *
+      groups;
   counts_ = device_.allocate(items * sizeof(std::uint64_t));
   checked([&] { return counting_kernel_.setArg(11, counts_); });
   std::uint64_t total = 0;
   std::vector<std::uint64_t> counts;
-  for_each_launch(n, b, 0, blocks, plan_.cell.replicates, 0.0, counting_kernel_, [&](const Launch& l) {
-    counts.resize(l.blocks * l.replicates * groups);
-    checked([&] { return device_.queue().enqueueReadBuffer(counts_, CL_TRUE, 0, counts.size() * sizeof(std::uint64_t), counts.data()); });
-    total = std::accumulate(counts.begin(), counts.end(), total);
-  });
+  for_each_launch(
+      n, b, 0, blocks, plan_.cell.replicates, 0.0, counting_kernel_, [&](const Launch& l) {
+        counts.resize(l.blocks * l.replicates * groups);
+        checked([&] {
+          return device_.queue().enqueueReadBuffer(
+              counts_, CL_TRUE, 0, counts.size() * sizeof(std::uint64_t), counts.data());
+        });
+        total = std::accumulate(counts.begin(), counts.end(), total);
+      });
   return total;
 }
 

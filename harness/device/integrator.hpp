@@ -10,24 +10,33 @@
 
 namespace koksma {
 
-// Partial sums of one word of one replicate, in no promised grouping: their exact sum is what counts.
-using PartialSums = std::function<void(std::uint32_t word, std::uint32_t replicate, std::span<const double> partials)>;
+// Partial sums of one word of one replicate, in no promised grouping: their exact sum is what
+// counts.
+using PartialSums = std::function<void(std::uint32_t word, std::uint32_t replicate,
+                                       std::span<const double> partials)>;
 
 class Integrator {
  public:
-  // Builds the program, builds and uploads the tables. `coefficients` in double, rounded here to the precision.
+  // Builds the program, builds and uploads the tables. `coefficients` in double, rounded here to
+  // the precision.
   Integrator(Device& device, const Plan& plan, const std::vector<double>& coefficients);
+  // With a point table of the caller's instead of the plan's.
+  Integrator(Device& device, const Plan& plan, const std::vector<double>& coefficients,
+             const std::vector<std::byte>& table);
 
-  // Sums samples 0 … n-1 of every replicate of the plan; y0 is subtracted before squaring. Returns the seconds that
-  // the kernels ran by the device's clock. Memory use does not depend on n.
+  // Sums samples 0 … n-1 of every replicate of the plan; y0 is subtracted before squaring. Returns
+  // the seconds that the kernels ran by the device's clock. Memory use does not depend on n.
   double run(std::uint64_t n, double y0, const PartialSums& take);
-  // The same for replicates 0 … replicates-1 only, and for blocks first_block … end_block-1 of 2^log2_block samples.
-  double run_blocks(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block, std::uint64_t end_block,
-                    std::uint32_t replicates, double y0, const PartialSums& take);
+  // The same for replicates 0 … replicates-1 only, and for blocks first_block … end_block-1 of
+  // 2^log2_block samples.
+  double run_blocks(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block,
+                    std::uint64_t end_block, std::uint32_t replicates, double y0,
+                    const PartialSums& take);
 
   // f at the first 16 points of replicate 0.
   std::vector<double> first_values();
-  // Non-finite samples among the first n of all replicates; builds the counting kernel on first use.
+  // Non-finite samples among the first n of all replicates; builds the counting kernel on first
+  // use.
   std::uint64_t count_nonfinite(const Catalog& catalog, std::uint64_t n);
 
   double build_s() const { return build_s_; }
@@ -45,8 +54,9 @@ class Integrator {
   double launch(cl::Kernel& kernel, const Launch& launch);
   void read_partials(const Launch& launch, const PartialSums& take);
   template <typename Body>
-  double for_each_launch(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block, std::uint64_t end_block,
-                         std::uint32_t replicates, double y0, cl::Kernel& kernel, Body&& body);
+  double for_each_launch(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block,
+                         std::uint64_t end_block, std::uint32_t replicates, double y0,
+                         cl::Kernel& kernel, Body&& body);
 
   Device& device_;
   const Plan& plan_;

@@ -16,8 +16,8 @@ PointsDump::PointsDump(Device& device, const Plan& plan) : device_(device), plan
   table_ = device.upload(table.data(), table.size());
 }
 
-std::vector<double> PointsDump::read(std::uint64_t start, std::uint64_t count, std::uint64_t n, std::uint32_t replicate,
-                                     std::uint32_t log2_block) {
+std::vector<double> PointsDump::read(std::uint64_t start, std::uint64_t count, std::uint64_t n,
+                                     std::uint32_t replicate, std::uint32_t log2_block) {
   const std::uint64_t dim = plan_.request.dim;
   const std::uint64_t first_block = start >> log2_block;
   const std::uint64_t blocks = ((start + count - 1) >> log2_block) - first_block + 1;
@@ -28,13 +28,16 @@ std::vector<double> PointsDump::read(std::uint64_t start, std::uint64_t count, s
     const cl::Buffer out = device_.allocate(raw.size());
     cl_uint arg = 0;
     kernel_.setArg(arg++, table_);
-    for (const std::uint64_t value : {first_block, blocks, n, plan_.request.seed}) kernel_.setArg(arg++, cl_ulong{value});
+    for (const std::uint64_t value : {first_block, blocks, n, plan_.request.seed})
+      kernel_.setArg(arg++, cl_ulong{value});
     kernel_.setArg(arg++, cl_uint{log2_block});
     kernel_.setArg(arg++, cl_uint{replicate});
     kernel_.setArg(arg++, out);
     const std::uint64_t items = blocks * (kLanes / plan_.shape.lanes_per_item);
     const std::uint64_t local = plan_.shape.local_size;
-    device_.queue().enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange((items + local - 1) / local * local), cl::NDRange(local));
+    device_.queue().enqueueNDRangeKernel(kernel_, cl::NullRange,
+                                         cl::NDRange((items + local - 1) / local * local),
+                                         cl::NDRange(local));
     device_.queue().enqueueReadBuffer(out, CL_TRUE, 0, raw.size(), raw.data());
   });
 

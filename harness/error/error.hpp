@@ -1,5 +1,6 @@
-// The three kinds of failure, split by who is at fault: the user's input, a kernel that does not compile, the
-// OpenCL implementation. Exit status of main: InputError 2, DeviceError without a usable device 3, else 1.
+// The three kinds of failure, split by who is at fault: the user's input, a kernel that does not
+// compile, the OpenCL implementation. Exit status of main: InputError 2, DeviceError without a
+// usable device 3, else 1.
 #pragma once
 
 #include <stdexcept>
@@ -15,7 +16,8 @@ class InputError : public std::runtime_error {
   InputError(std::string_view where, std::string_view found, std::string_view allowed);
 };
 
-// A kernel program does not build; the message holds the compiler's log with file and line of the .cl.
+// A kernel program does not build; the message holds the compiler's log with file and line of the
+// .cl.
 class BuildError : public std::runtime_error {
  public:
   BuildError(std::string_view program, std::string_view log);
@@ -33,7 +35,8 @@ class NoDeviceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A cell asks for something this device or sampler lacks; the cell becomes a row with status "unsupported".
+// A cell asks for something this device or sampler lacks; the cell becomes a row with status
+// "unsupported".
 class UnsupportedError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -42,7 +45,8 @@ class UnsupportedError : public std::runtime_error {
 // The OpenCL name of an error code ("CL_OUT_OF_RESOURCES"), or its number when unknown.
 std::string error_code_name(int code);
 
-// The candidate nearest to `name` by edit distance, "" when none is near (distance above a third of the length).
+// The candidate nearest to `name` by edit distance, "" when none is near (distance above a third of
+// the length).
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 // InputError for a name that is none of `known`: lists them and suggests the nearest.

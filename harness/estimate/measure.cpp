@@ -12,9 +12,12 @@ using Clock = std::chrono::steady_clock;
 // Repeat to 20 ms or 5 times, whichever comes first.
 constexpr double kRepeatSeconds = 0.020;
 constexpr std::size_t kRepeatCount = 5;
-constexpr double kSmallestResolved = 30;  // n_eff below which the normal approximation is not believed
+constexpr double kSmallestResolved =
+    30;  // n_eff below which the normal approximation is not believed
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 double quantile_of(const std::vector<double>& sorted, double p) {
   const double position = p * static_cast<double>(sorted.size() - 1);
@@ -25,11 +28,14 @@ double quantile_of(const std::vector<double>& sorted, double p) {
 
 TimeStatistics summarise_times(std::vector<double> times) {
   std::sort(times.begin(), times.end());
-  return {quantile_of(times, 0.5), times.front(), quantile_of(times, 0.75) - quantile_of(times, 0.25), times.size()};
+  return {quantile_of(times, 0.5), times.front(),
+          quantile_of(times, 0.75) - quantile_of(times, 0.25), times.size()};
 }
 
 double median_of_finite(std::vector<double> values) {
-  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }), values.end());
+  values.erase(
+      std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
+      values.end());
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   return quantile_of(values, 0.5);
@@ -81,7 +87,9 @@ double rounding_floor(const Plan& plan, const ExactValues& exact, std::uint64_t 
   const double scale = exact.mean_abs ? *exact.mean_abs : exact.mean ? std::fabs(*exact.mean) : 0;
   const double evaluation = plan.fp64() ? 0x1p-53 : 0x1p-24;
   const double accumulator = plan.stores_doubles() ? 0x1p-53 : 0x1p-24;
-  const double per_lane = std::min(static_cast<double>(n), std::ldexp(1.0, static_cast<int>(log2_block_length(n)))) / 16;
+  const double per_lane =
+      std::min(static_cast<double>(n), std::ldexp(1.0, static_cast<int>(log2_block_length(n)))) /
+      16;
   const double additions = plan.sum->words > 1 ? 1 : std::max(per_lane, 1.0);
   return scale * (4 * evaluation + std::sqrt(additions) * accumulator);
 }
@@ -97,7 +105,8 @@ PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact
   exact_ = compute_exact(exact_device, *plan_->integrand, plan_->cell.scene);
   const auto start = Clock::now();
   integrator_ = std::make_unique<Integrator>(device, *plan_, exact_.coefficients);
-  // The first launch finishes compilation on some implementations (PoCL): warm up here, before anything is timed.
+  // The first launch finishes compilation on some implementations (PoCL): warm up here, before
+  // anything is timed.
   y0_ = median_of_finite(integrator_->first_values());
   if (!plan_->stores_doubles()) y0_ = static_cast<float>(y0_);
   if (plan_->estimator->moments == 1) y0_ = 0;
@@ -108,9 +117,10 @@ double PreparedCell::once(std::uint64_t n, Sums& sums) {
   const std::uint32_t replicates = plan_->cell.replicates;
   sums.values.assign(replicates, ExactSum{});
   sums.squares.assign(plan_->estimator->moments == 2 ? replicates : 0, ExactSum{});
-  return integrator_->run(n, y0_, [&](std::uint32_t word, std::uint32_t r, std::span<const double> partials) {
-    (word < plan_->sum->words ? sums.values : sums.squares)[r].add(partials);
-  });
+  return integrator_->run(
+      n, y0_, [&](std::uint32_t word, std::uint32_t r, std::span<const double> partials) {
+        (word < plan_->sum->words ? sums.values : sums.squares)[r].add(partials);
+      });
 }
 
 Row PreparedCell::run_row(std::uint64_t n) {
@@ -182,7 +192,9 @@ CellResult PreparedCell::run() {
   }
   const auto& expected = plan_->integrand->expected;
   const auto found = expected.find(plan_->sampler->rate_class);
-  result.verdict = judge(result.rate, found == expected.end() ? std::nullopt : std::optional(found->second), plan_->cell.scene.dim);
+  result.verdict =
+      judge(result.rate, found == expected.end() ? std::nullopt : std::optional(found->second),
+            plan_->cell.scene.dim);
   return result;
 }
 

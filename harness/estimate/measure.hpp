@@ -1,4 +1,5 @@
-// Runs one prepared cell: partial sums -> exact merge -> replicates -> statistics, with times beside every error.
+// Runs one prepared cell: partial sums -> exact merge -> replicates -> statistics, with times
+// beside every error.
 #pragma once
 
 #include <memory>
@@ -50,7 +51,8 @@ struct CellResult {
   RateVerdict verdict;
 };
 
-// A cell with its program built and warmed up and its tables uploaded, so that nothing is built while others are timed.
+// A cell with its program built and warmed up and its tables uploaded, so that nothing is built
+// while others are timed.
 class PreparedCell {
  public:
   PreparedCell(const Catalog& catalog, Device& device, Device& exact_device, Plan plan);
@@ -78,8 +80,9 @@ class PreparedCell {
   double y0_ = 0;
 };
 
-// The level below which errors are rounding, not sampling: E|f| (4 u + sqrt(n) u_sum), u of the evaluation and
-// u_sum of the accumulator over n additions per lane; the estimate of 5-numerics 2.1, not the bound.
+// The level below which errors are rounding, not sampling: E|f| (4 u + sqrt(n) u_sum), u of the
+// evaluation and u_sum of the accumulator over n additions per lane; the estimate of
+// 5-numerics 2.1, not the bound.
 double rounding_floor(const Plan& plan, const ExactValues& exact, std::uint64_t n);
 
 }  // namespace koksma

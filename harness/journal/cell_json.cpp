@@ -29,7 +29,8 @@ Json scene_json(const Catalog& catalog, const CellResult& result) {
   scene["integrand"] = f.name;
   scene["d"] = result.cell.scene.dim;
   scene["parameters"] = Json::object();
-  for (std::size_t i = 0; i < f.parameters.size(); ++i) scene["parameters"][f.parameters[i].name] = result.cell.scene.parameters[i];
+  for (std::size_t i = 0; i < f.parameters.size(); ++i)
+    scene["parameters"][f.parameters[i].name] = result.cell.scene.parameters[i];
   scene["class"] = f.smoothness;
   scene["exact"]["mean"] = exact_json(result.exact.mean, f.mean);
   scene["exact"]["variance"] = exact_json(result.exact.variance, f.variance);
@@ -61,7 +62,9 @@ Json row_json(const Row& row, const CellResult& result) {
   json["interval"] = interval_json(row.estimate.interval);
   json["interval_reason"] = row.estimate.reason;
   json["rmse"] = number_or_null(e.rmse);
-  json["rmse_interval"] = e.rmse_low && e.rmse_high ? interval_json(Interval{*e.rmse_low, *e.rmse_high}) : Json(nullptr);
+  json["rmse_interval"] = e.rmse_low && e.rmse_high
+                              ? interval_json(Interval{*e.rmse_low, *e.rmse_high})
+                              : Json(nullptr);
   json["rmse_interval_method"] = e.rmse_interval_method;
   json["median_abs_error"] = number_or_null(e.median_abs);
   json["bias"] = number_or_null(e.bias);
@@ -75,10 +78,14 @@ Json row_json(const Row& row, const CellResult& result) {
   json["wall_s"] = time_json(row.wall);
   json["seconds_per_replicate"] = seconds;
   json["samples_per_s"] = row.kernel.median > 0 ? Json(samples / row.kernel.median) : Json(nullptr);
-  json["coordinates_per_s"] = row.kernel.median > 0 ? Json(samples * result.cell.scene.dim / row.kernel.median) : Json(nullptr);
+  json["coordinates_per_s"] = row.kernel.median > 0
+                                  ? Json(samples * result.cell.scene.dim / row.kernel.median)
+                                  : Json(nullptr);
   json["efficiency"] = e.rmse ? number_or_null(efficiency(*e.rmse, seconds)) : Json(nullptr);
   json["variance_reduction"] =
-      e.rmse && result.exact.variance ? number_or_null(variance_reduction(*result.exact.variance, row.n, *e.rmse)) : Json(nullptr);
+      e.rmse && result.exact.variance
+          ? number_or_null(variance_reduction(*result.exact.variance, row.n, *e.rmse))
+          : Json(nullptr);
   return json;
 }
 
@@ -94,9 +101,12 @@ Json convergence_json(const CellResult& result, const ExpectedRate* expected) {
   json["deterministic"] = rate.deterministic;
   json["rows_used"] = rate.used;
   json["rows_excluded"] = Json::array();
-  for (const ExcludedRow& row : rate.excluded) json["rows_excluded"].push_back({{"n", row.samples}, {"reason", row.reason}});
+  for (const ExcludedRow& row : rate.excluded)
+    json["rows_excluded"].push_back({{"n", row.samples}, {"reason", row.reason}});
   json["local_slopes"] = Json::array();
-  for (const LocalSlope& s : rate.local_slopes) json["local_slopes"].push_back({{"from", s.from}, {"to", s.to}, {"slope", number_or_null(s.slope)}});
+  for (const LocalSlope& s : rate.local_slopes)
+    json["local_slopes"].push_back(
+        {{"from", s.from}, {"to", s.to}, {"slope", number_or_null(s.slope)}});
   json["expected"] = number_or_null(result.verdict.expected);
   json["target"] = number_or_null(result.verdict.target);
   json["source"] = expected == nullptr ? "" : expected->source;
@@ -113,11 +123,15 @@ Json efficiency_json(const CellResult& result) {
   json["relative_to"] = scale;
   std::vector<TimePoint> points;
   for (const Row& row : result.rows)
-    if (row.errors.rmse) points.push_back({row.kernel.median / result.cell.replicates, *row.errors.rmse});
+    if (row.errors.rmse)
+      points.push_back({row.kernel.median / result.cell.replicates, *row.errors.rmse});
   for (int digits = 1; digits <= 12; ++digits) {
     const double tolerance = std::pow(10.0, -digits);
     const TimeToTolerance t = time_to_tolerance(points, tolerance * scale);
-    json["time_to_tolerance"].push_back({{"tolerance", tolerance}, {"seconds", number_or_null(t.seconds)}, {"extrapolated", t.extrapolated}, {"reason", t.reason}});
+    json["time_to_tolerance"].push_back({{"tolerance", tolerance},
+                                         {"seconds", number_or_null(t.seconds)},
+                                         {"extrapolated", t.extrapolated},
+                                         {"reason", t.reason}});
   }
   return json;
 }
@@ -133,7 +147,8 @@ Json plan_json(const CellResult& result, const Plan& plan) {
   json["moments"] = plan.estimator->moments;
   json["build_options"] = plan.program.options;
   json["left_out"] = Json::array();
-  for (const LeftOut& item : plan.left_out) json["left_out"].push_back({{"what", item.what}, {"why", item.why}});
+  for (const LeftOut& item : plan.left_out)
+    json["left_out"].push_back({{"what", item.what}, {"why", item.why}});
   return json;
 }
 
@@ -176,7 +191,8 @@ Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* 
   for (const Row& row : result.rows) json["rows"].push_back(row_json(row, result));
   const Integrand& f = catalog.integrand(result.cell.scene.integrand, "scene");
   const auto expected = f.expected.find(catalog.sampler(result.cell.sampler, "sampler").rate_class);
-  json["convergence"] = convergence_json(result, expected == f.expected.end() ? nullptr : &expected->second);
+  json["convergence"] =
+      convergence_json(result, expected == f.expected.end() ? nullptr : &expected->second);
   json["efficiency"] = efficiency_json(result);
   return json;
 }

@@ -6,10 +6,12 @@
 
 namespace koksma {
 
-// One element of `cells` in the results file (results/results.schema.json). `plan` may be null when planning failed.
+// One element of `cells` in the results file (results/results.schema.json). `plan` may be null when
+// planning failed.
 Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* plan);
 
-// The part that identifies a cell: scene, sampler, estimator, precision, sum, sizes, replicates, seed.
+// The part that identifies a cell: scene, sampler, estimator, precision, sum, sizes, replicates,
+// seed.
 Json cell_identity(const Cell& cell);
 
 // null for what is absent or not finite.

@@ -1,5 +1,5 @@
-// Finished cells on disk, one JSON line each, written before anything else happens to them: a kill or a full disk
-// loses nothing that was measured. `--resume` takes them back.
+// Finished cells on disk, one JSON line each, written before anything else happens to them: a kill
+// or a full disk loses nothing that was measured. `--resume` takes them back.
 #pragma once
 
 #include <fstream>
@@ -13,9 +13,9 @@ namespace koksma {
 
 class Journal {
  public:
-  // Opens RESULTS_PATH.journal.jsonl. `context` tells runs apart (device, revision of the program, study seed): with
-  // `resume` the cells of a journal of the same context are taken over, any other journal is replaced.
-  // InputError if the file cannot be written.
+  // Opens RESULTS_PATH.journal.jsonl. `context` tells runs apart (device, revision of the program,
+  // study seed): with `resume` the cells of a journal of the same context are taken over, any other
+  // journal is replaced. InputError if the file cannot be written.
   Journal(const std::string& results_path, const Json& context, bool resume);
 
   // The finished cell with this identity, if the journal has it.
@@ -37,8 +37,12 @@ class Journal {
   std::size_t taken_over_ = 0;
 };
 
-// Writes text to a temporary name beside `path` and renames it: a reader never sees half a file. InputError naming
-// the path when that is impossible.
+// Writes text to a temporary name beside `path` and renames it: a reader never sees half a file.
+// InputError naming the path when that is impossible.
 void write_file_atomically(const std::string& path, const std::string& text);
+
+// InputError where write_file_atomically would throw one; leaves nothing behind. For asking before
+// the work is done.
+void check_writable(const std::string& path);
 
 }  // namespace koksma

@@ -7,7 +7,8 @@
 namespace koksma {
 namespace {
 
-// CL1.2 is what every implementation has; -w keeps vector code's unused-function warnings off the terminal.
+// CL1.2 is what every implementation has; -w keeps vector code's unused-function warnings off the
+// terminal.
 constexpr const char* kOptions = "-cl-std=CL1.2 -w";
 
 void append_piece(std::string& text, const SourceFile& piece) {
@@ -29,13 +30,16 @@ std::string params_source(const Integrand& f, const char* type) {
   if (f.parameters.empty()) loads = "  q.unused = 0;\n";
   return fmt::format(
       "#line 1 \"generated: parameters of {}\"\ntypedef struct {{\n{}}} params;\n"
-      "static inline params load_params(__global const {} *values) {{\n  params q;\n{}  return q;\n}}\n",
+      "static inline params load_params(__global const {} *values) {{\n  params q;\n{}  return "
+      "q;\n}}\n",
       f.name, members, type, loads);
 }
 
 std::string defines_source(const Plan& plan, ProgramKind kind) {
   std::string text;
-  const auto define = [&](const std::string& name, std::int64_t value) { text += fmt::format("#define {} {}\n", name, value); };
+  const auto define = [&](const std::string& name, std::int64_t value) {
+    text += fmt::format("#define {} {}\n", name, value);
+  };
   define("KOKSMA_LANES_PER_ITEM", plan.shape.lanes_per_item);
   define("KOKSMA_FP64", plan.fp64() ? 1 : 0);
   define("KOKSMA_DIM", plan.request.dim);
@@ -61,13 +65,15 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
   if (integrates) append_piece(text, plan.sum->code);
   append_piece(text, catalog.family(plan.sampler->family).code);
   if (kind != ProgramKind::inspect) {
-    for (const std::string& name : plan.integrand->transforms) append_piece(text, catalog.transform(name).code);
+    for (const std::string& name : plan.integrand->transforms)
+      append_piece(text, catalog.transform(name).code);
     text += params_source(*plan.integrand, "scalar");
     append_piece(text, plan.integrand->code);
   }
   append_embedded(text, integrates ? "kernels/integrate.cl" : "kernels/inspect.cl");
   const std::string scene = plan.integrand == nullptr ? "points" : plan.integrand->name;
-  return {fmt::format("the kernel of {} with {}", scene, plan.sampler->name), std::move(text), kOptions};
+  return {fmt::format("the kernel of {} with {}", scene, plan.sampler->name), std::move(text),
+          kOptions};
 }
 
 ProgramSource counting_program(const Catalog& catalog, const Plan& plan) {
@@ -84,7 +90,8 @@ ProgramSource exact_program(const Integrand& f) {
   if (f.mean.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN 1\n";
   if (f.variance.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIANCE 1\n";
   if (f.mean_abs.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN_ABS 1\n";
-  if (!f.coefficients.empty()) text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", f.coefficients.size());
+  if (!f.coefficients.empty())
+    text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", f.coefficients.size());
   text += params_source(f, "double");
   append_piece(text, f.code);
   append_embedded(text, "kernels/exact.cl");

@@ -12,49 +12,65 @@
 namespace koksma {
 namespace {
 
-constexpr std::uint64_t kPrivateBytes = std::uint64_t{1} << 20;  // bound on local size x dim x sizeof(real) (3-kernels)
+constexpr std::uint64_t kPrivateBytes =
+    std::uint64_t{1} << 20;  // bound on local size x dim x sizeof(real) (3-kernels)
 
-// A CPU runs one wide item per group; a GPU runs scalar items, as many per group as private memory allows.
+// A CPU runs one wide item per group; a GPU runs scalar items, as many per group as private memory
+// allows.
 LaunchShape shape_for(const DeviceFacts& device, std::uint32_t dim, bool fp64) {
   if (device.is_cpu) return {16, 1, std::nullopt, std::nullopt};
   const std::uint64_t item_bytes = std::uint64_t{dim} * (fp64 ? 8 : 4);
-  const std::uint64_t most = std::min<std::uint64_t>({64, device.max_work_group_size, std::max<std::uint64_t>(kPrivateBytes / item_bytes, 1)});
+  const std::uint64_t most = std::min<std::uint64_t>(
+      {64, device.max_work_group_size, std::max<std::uint64_t>(kPrivateBytes / item_bytes, 1)});
   return {1, static_cast<std::uint32_t>(std::bit_floor(most)), std::nullopt, std::nullopt};
 }
 
-const SumAlgorithm& choose_sum(const Catalog& catalog, const Cell& cell, const DeviceFacts& device) {
+const SumAlgorithm& choose_sum(const Catalog& catalog, const Cell& cell,
+                               const DeviceFacts& device) {
   if (!cell.sum.empty()) {
     const SumAlgorithm& asked = catalog.sum(cell.sum, "--sum");
     if (asked.needs_fp64 && !device.fp64)
-      throw UnsupportedError(fmt::format("sum '{}' needs fp64, which {} lacks", asked.name, device.name));
+      throw UnsupportedError(
+          fmt::format("sum '{}' needs fp64, which {} lacks", asked.name, device.name));
     return asked;
   }
   const SumAlgorithm* best = nullptr;
   for (const SumAlgorithm& s : catalog.sums)
-    if ((device.fp64 || !s.needs_fp64) && (best == nullptr || s.preference > best->preference)) best = &s;
+    if ((device.fp64 || !s.needs_fp64) && (best == nullptr || s.preference > best->preference))
+      best = &s;
   return *best;
 }
 
 void check_resolution(const Plan& plan) {
-  if (plan.sampler->centred || plan.request.end_index <= std::uint64_t{1} << plan.coordinate_bits) return;
-  throw UnsupportedError(fmt::format("sampler '{}' is exact to {} bits in {}: N = {} would repeat points", plan.sampler->name,
-                                     plan.coordinate_bits, precision_name(plan.precision), plan.request.end_index));
+  if (plan.sampler->centred || plan.request.end_index <= std::uint64_t{1} << plan.coordinate_bits)
+    return;
+  throw UnsupportedError(fmt::format(
+      "sampler '{}' is exact to {} bits in {}: N = {} would repeat points", plan.sampler->name,
+      plan.coordinate_bits, precision_name(plan.precision), plan.request.end_index));
 }
 
 void note_what_is_left_out(Plan& plan) {
-  const auto note = [&](std::string what, std::string why) { plan.left_out.push_back({std::move(what), std::move(why)}); };
+  const auto note = [&](std::string what, std::string why) {
+    plan.left_out.push_back({std::move(what), std::move(why)});
+  };
   note("the other samplers and integrands", "one program per cell");
   if (plan.estimator->moments == 1)
-    note("second moment", fmt::format("estimator '{}' takes its error from {}", plan.estimator->name,
-                                      plan.estimator->replicated ? "the replicates" : "nothing"));
-  note("non-finite counting", "a partial sum tells of a fault for free; only then a counting kernel is built");
-  if (plan.integrand->transforms.empty()) note("transforms", fmt::format("'{}' asks for none", plan.integrand->name));
-  if (plan.integrand->coefficients.empty()) note("coefficient table", fmt::format("'{}' has none", plan.integrand->name));
+    note("second moment",
+         fmt::format("estimator '{}' takes its error from {}", plan.estimator->name,
+                     plan.estimator->replicated ? "the replicates" : "nothing"));
+  note("non-finite counting",
+       "a partial sum tells of a fault for free; only then a counting kernel is built");
+  if (plan.integrand->transforms.empty())
+    note("transforms", fmt::format("'{}' asks for none", plan.integrand->name));
+  if (plan.integrand->coefficients.empty())
+    note("coefficient table", fmt::format("'{}' has none", plan.integrand->name));
   note("table columns", fmt::format("indices below {} reach {} of 64", plan.request.end_index,
                                     std::bit_width(plan.request.end_index - 1)));
-  if (find_table_builder(plan.sampler->family) == nullptr) note("point tables", fmt::format("family '{}' computes its points", plan.sampler->family));
+  if (find_table_builder(plan.sampler->family) == nullptr)
+    note("point tables", fmt::format("family '{}' computes its points", plan.sampler->family));
   if (!plan.cell.scene.dim || plan.sampler->max_dim > plan.cell.scene.dim)
-    note("dimensions", fmt::format("{} of {} are drawn", plan.cell.scene.dim, plan.sampler->max_dim));
+    note("dimensions",
+         fmt::format("{} of {} are drawn", plan.cell.scene.dim, plan.sampler->max_dim));
 }
 
 }  // namespace
@@ -64,8 +80,8 @@ std::uint32_t log2_block_length(std::uint64_t n) {
   return std::clamp(log2_n, 14u, 22u) - 6;
 }
 
-Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& device, const std::string& directions_file,
-               const std::optional<LaunchShape>& shape) {
+Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& device,
+               const std::string& directions_file, const std::optional<LaunchShape>& shape) {
   if (cell.precision == Precision::fp64 && !device.fp64)
     throw UnsupportedError(fmt::format("precision fp64 on {}, which lacks it", device.name));
   Plan plan;
@@ -77,22 +93,25 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
   plan.coordinate_bits = plan.fp64() ? 52 : 23;
   plan.sum = &choose_sum(catalog, cell, device);
   plan.shape = shape.value_or(shape_for(device, cell.scene.dim, plan.fp64()));
-  plan.request = {plan.sampler->options, cell.scene.dim, plan.fp64(), cell.n.back(), cell.replicates, cell.seed, directions_file};
+  plan.request = {plan.sampler->options, cell.scene.dim, plan.fp64(),    cell.n.back(),
+                  cell.replicates,       cell.seed,      directions_file};
   check_resolution(plan);
   plan.program = compose(catalog, plan, ProgramKind::integrate);
   note_what_is_left_out(plan);
   return plan;
 }
 
-Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::uint32_t dim, Precision precision,
-                      std::uint64_t end_index, std::uint32_t replicates, std::uint64_t seed, const DeviceFacts& device,
+Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::uint32_t dim,
+                      Precision precision, std::uint64_t end_index, std::uint32_t replicates,
+                      std::uint64_t seed, const DeviceFacts& device,
                       const std::string& directions_file, const std::optional<LaunchShape>& shape) {
   Plan plan;
   plan.sampler = &catalog.sampler(sampler, "--sampler");
   plan.precision = precision;
   plan.coordinate_bits = plan.fp64() ? 52 : 23;
   plan.shape = shape.value_or(shape_for(device, dim, plan.fp64()));
-  plan.request = {plan.sampler->options, dim, plan.fp64(), end_index, replicates, seed, directions_file};
+  plan.request = {plan.sampler->options, dim, plan.fp64(), end_index, replicates, seed,
+                  directions_file};
   check_resolution(plan);
   plan.program = compose(catalog, plan, ProgramKind::inspect);
   return plan;

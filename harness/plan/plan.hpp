@@ -1,5 +1,6 @@
-// cell x device facts -> plan: what the cell needs and therefore what its kernel contains, uploads and stores. The
-// only place that knows the composition of programs (kernels/README.md) and what fits together.
+// cell x device facts -> plan: what the cell needs and therefore what its kernel contains, uploads
+// and stores. The only place that knows the composition of programs (kernels/README.md) and what
+// fits together.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +28,8 @@ struct DeviceFacts {
 struct LaunchShape {
   std::uint32_t lanes_per_item = 16;  // 1, 4, 8 or 16
   std::uint32_t local_size = 1;
-  std::optional<std::uint32_t> log2_block;          // recorded: it does change the bits of the sums
-  std::optional<std::uint64_t> items_per_launch;    // blocks x replicates bound
+  std::optional<std::uint32_t> log2_block;        // recorded: it does change the bits of the sums
+  std::optional<std::uint64_t> items_per_launch;  // blocks x replicates bound
 };
 
 // A program in source form.
@@ -61,11 +62,14 @@ struct Plan {
   std::uint32_t words() const { return sum->words * estimator->moments; }
 };
 
-// UnsupportedError when the device lacks what the cell asks for (fp64), or the sampler the resolution.
+// UnsupportedError when the device lacks what the cell asks for (fp64), or the sampler the
+// resolution.
 Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& device,
-               const std::string& directions_file = "", const std::optional<LaunchShape>& shape = std::nullopt);
+               const std::string& directions_file = "",
+               const std::optional<LaunchShape>& shape = std::nullopt);
 
-// The plan's program with non-finite samples counted: built only when a partial sum came out non-finite.
+// The plan's program with non-finite samples counted: built only when a partial sum came out
+// non-finite.
 ProgramSource counting_program(const Catalog& catalog, const Plan& plan);
 
 // Dumps points; with an integrand (draw counting) when the plan's scene is given.
@@ -74,16 +78,20 @@ ProgramSource inspect_program(const Catalog& catalog, const Plan& plan, bool wit
 // Exact values and coefficient set-up of an integrand, for a CPU device with fp64.
 ProgramSource exact_program(const Integrand& integrand);
 
-// The point table in the words of the plan's precision, as bytes ready to upload (at least one word).
+// The point table in the words of the plan's precision, as bytes ready to upload (at least one
+// word).
 std::vector<std::byte> build_point_table(const Plan& plan);
 
-// log2 of the block length for N samples: at least 2^8, so that seeking is cheap beside stepping; at most 2^16;
-// 64 blocks in between. A function of N alone, so results do not depend on the device.
+// log2 of the block length for N samples: at least 2^8, so that seeking is cheap beside stepping;
+// at most 2^16; 64 blocks in between. A function of N alone, so results do not depend on the
+// device.
 std::uint32_t log2_block_length(std::uint64_t n);
 
 // A plan for dumping points only, without a scene.
-Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::uint32_t dim, Precision precision,
-                      std::uint64_t end_index, std::uint32_t replicates, std::uint64_t seed, const DeviceFacts& device,
-                      const std::string& directions_file = "", const std::optional<LaunchShape>& shape = std::nullopt);
+Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::uint32_t dim,
+                      Precision precision, std::uint64_t end_index, std::uint32_t replicates,
+                      std::uint64_t seed, const DeviceFacts& device,
+                      const std::string& directions_file = "",
+                      const std::optional<LaunchShape>& shape = std::nullopt);
 
 }  // namespace koksma

@@ -1,4 +1,5 @@
-// Tables of the digital family (kernels/points/digital.cl): generating matrices, their scrambles, shifts and keys.
+// Tables of the digital family (kernels/points/digital.cl): generating matrices, their scrambles,
+// shifts and keys.
 #include <algorithm>
 #include <bit>
 
@@ -31,14 +32,16 @@ struct WordForm {
   std::uint64_t one() const { return reversed ? 0 : fp64 ? 0x3FF0000000000000u : 0x3F800000u; }
 };
 
-// Random linear scramble (Matousek 1998): every column becomes L c, L lower triangular with unit diagonal, one L per
-// replicate and dimension, on all 64 digits.
-GeneratingMatrices scrambled(const GeneratingMatrices& plain, std::uint64_t seed, std::uint32_t replicate) {
+// Random linear scramble (Matousek 1998): every column becomes L c, L lower triangular with unit
+// diagonal, one L per replicate and dimension, on all 64 digits.
+GeneratingMatrices scrambled(const GeneratingMatrices& plain, std::uint64_t seed,
+                             std::uint32_t replicate) {
   GeneratingMatrices result = plain;
   for (std::uint32_t d = 0; d < plain.dim; ++d) {
     std::uint64_t columns_of_l[64];
     for (std::uint32_t k = 0; k < 64; k += 2) {
-      const RandomPair random = random_pair(seed, k / 2, replicate, RandomPurpose::linear_scramble, d);
+      const RandomPair random =
+          random_pair(seed, k / 2, replicate, RandomPurpose::linear_scramble, d);
       const std::uint64_t words[2] = {random.first, random.second};
       for (std::uint32_t i = 0; i < 2; ++i) {
         const std::uint64_t diagonal = std::uint64_t{1} << (63 - k - i);
@@ -48,7 +51,8 @@ GeneratingMatrices scrambled(const GeneratingMatrices& plain, std::uint64_t seed
     for (std::uint32_t k = 0; k < plain.columns; ++k) {
       std::uint64_t& word = result.words[std::size_t{k} * plain.dim + d];
       std::uint64_t product = 0;
-      for (std::uint64_t rest = word; rest != 0; rest &= rest - 1) product ^= columns_of_l[std::countl_zero(rest & -rest)];
+      for (std::uint64_t rest = word; rest != 0; rest &= rest - 1)
+        product ^= columns_of_l[std::countl_zero(rest & -rest)];
       word = product;
     }
   }
@@ -56,8 +60,11 @@ GeneratingMatrices scrambled(const GeneratingMatrices& plain, std::uint64_t seed
 }
 
 // Appends columns [c][D], steps [c - 4][D] and lanes [D][16] of one matrix set.
-void append_matrices(std::vector<std::uint64_t>& words, const GeneratingMatrices& m, const WordForm& form) {
-  const auto column = [&](std::uint32_t k, std::uint32_t d) { return m.words[std::size_t{k} * m.dim + d]; };
+void append_matrices(std::vector<std::uint64_t>& words, const GeneratingMatrices& m,
+                     const WordForm& form) {
+  const auto column = [&](std::uint32_t k, std::uint32_t d) {
+    return m.words[std::size_t{k} * m.dim + d];
+  };
   for (const std::uint64_t word : m.words) words.push_back(form(word));
   for (std::uint32_t k = 4; k < m.columns; ++k)
     for (std::uint32_t d = 0; d < m.dim; ++d) words.push_back(form(column(k, d) ^ column(3, d)));
@@ -72,10 +79,12 @@ void append_matrices(std::vector<std::uint64_t>& words, const GeneratingMatrices
   }
 }
 
-void append_starts(std::vector<std::uint64_t>& words, const PointRequest& request, const WordForm& form, bool shifted) {
+void append_starts(std::vector<std::uint64_t>& words, const PointRequest& request,
+                   const WordForm& form, bool shifted) {
   for (std::uint32_t r = 0; r < request.replicates; ++r) {
     for (std::uint32_t d = 0; d < request.dim; ++d) {
-      const std::uint64_t shift = shifted ? random_pair(request.seed, 0, r, RandomPurpose::digital_shift, d).first : 0;
+      const std::uint64_t shift =
+          shifted ? random_pair(request.seed, 0, r, RandomPurpose::digital_shift, d).first : 0;
       words.push_back(form(shift) ^ form.one());
     }
   }
@@ -100,16 +109,18 @@ PointTable build_digital(const PointRequest& request) {
   const bool linear = randomize == "lms-shift", nested = randomize == "owen";
   const auto needed = static_cast<std::uint32_t>(std::bit_width(request.end_index - 1));
   const std::uint32_t columns = std::clamp(needed, 4u, kMaxSobolColumns);
-  const GeneratingMatrices plain = request.directions_file.empty()
-                                       ? sobol_matrices(request.dim, columns)
-                                       : sobol_matrices_from_file(request.directions_file, request.dim, columns);
+  const GeneratingMatrices plain =
+      request.directions_file.empty()
+          ? sobol_matrices(request.dim, columns)
+          : sobol_matrices_from_file(request.directions_file, request.dim, columns);
   const WordForm form{request.fp64, nested};
 
   PointTable table;
   std::vector<std::uint64_t>& words = table.words;
   words.resize(kHeader);
   const std::uint32_t matrix_sets = linear ? request.replicates : 1;
-  for (std::uint32_t r = 0; r < matrix_sets; ++r) append_matrices(words, linear ? scrambled(plain, request.seed, r) : plain, form);
+  for (std::uint32_t r = 0; r < matrix_sets; ++r)
+    append_matrices(words, linear ? scrambled(plain, request.seed, r) : plain, form);
   const std::uint64_t matrix_size = (words.size() - kHeader) / matrix_sets;
   const std::uint64_t starts = words.size();
   append_starts(words, request, form, randomize == "shift" || linear);
@@ -117,8 +128,9 @@ PointTable build_digital(const PointRequest& request) {
   if (nested) append_keys(words, request);
 
   const std::uint64_t d = request.dim;
-  const std::uint64_t header[kHeader] = {linear ? matrix_size : 0, d,      kHeader, kHeader + columns * d,
-                                         kHeader + (2 * columns - 4) * d, starts, keys, 0};
+  const std::uint64_t header[kHeader] = {
+      linear ? matrix_size : 0,        d,      kHeader, kHeader + columns * d,
+      kHeader + (2 * columns - 4) * d, starts, keys,    0};
   std::copy(std::begin(header), std::end(header), words.begin());
   return table;
 }

@@ -1,4 +1,5 @@
-// Tables of the lattice family (kernels/points/lattice.cl): generating vectors and shifts in fixed point.
+// Tables of the lattice family (kernels/points/lattice.cl): generating vectors and shifts in fixed
+// point.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,17 +20,21 @@ std::vector<std::uint64_t> read_vector(const std::string& name, std::uint32_t di
   const Json entry = parse_json(embedded_text(path), path);
   check_schema(entry, "harness/catalog/vectors.schema.json", path);
   const auto z = entry["z"].get<std::vector<std::uint64_t>>();
-  if (z.size() < dim) throw InputError(path, fmt::format("{} components", z.size()), fmt::format("{} are drawn", dim));
+  if (z.size() < dim)
+    throw InputError(path, fmt::format("{} components", z.size()),
+                     fmt::format("{} are drawn", dim));
   return {z.begin(), z.begin() + dim};
 }
 
 // phi_2(gray) z mod 1 as a 64-bit fraction: bit k of gray weighs 2^-(k+1).
 std::uint64_t contribution(std::uint64_t z, std::uint32_t k) { return z << (63 - k); }
 
-std::uint64_t kept(std::uint64_t fraction, bool fp64) { return fp64 ? fraction >> 12 : fraction >> 32; }
+std::uint64_t kept(std::uint64_t fraction, bool fp64) {
+  return fp64 ? fraction >> 12 : fraction >> 32;
+}
 
-// Steps of bit 4 + c, for "goes" and "comes", for lanes 0-7 and 8-15: bit 3 is l_3 ^ i_4, and i_4 turns 1 exactly
-// when c = 0.
+// Steps of bit 4 + c, for "goes" and "comes", for lanes 0-7 and 8-15: bit 3 is l_3 ^ i_4, and i_4
+// turns 1 exactly when c = 0.
 std::uint64_t step_of(std::uint64_t z, std::uint32_t c, bool comes, bool upper_half) {
   const bool bit3_comes = upper_half != (c == 0);
   const std::uint64_t high = contribution(z, 4 + c), low = contribution(z, 3);
@@ -49,7 +54,8 @@ std::uint64_t lane_point(std::uint64_t z, std::uint32_t lane, bool odd) {
 PointTable build_lattice(const PointRequest& request) {
   const std::vector<std::uint64_t> z = read_vector(request.options.at("vector"), request.dim);
   const bool shifted = request.options.at("randomize") == "shift";
-  const std::uint32_t columns = std::max(static_cast<std::uint32_t>(std::bit_width(request.end_index - 1)), 4u);
+  const std::uint32_t columns =
+      std::max(static_cast<std::uint32_t>(std::bit_width(request.end_index - 1)), 4u);
 
   PointTable table;
   std::vector<std::uint64_t>& words = table.words;
@@ -69,9 +75,12 @@ PointTable build_lattice(const PointRequest& request) {
   const std::uint64_t starts = words.size();
   for (std::uint32_t r = 0; r < request.replicates; ++r) {
     for (std::uint32_t d = 0; d < request.dim; ++d) {
-      const std::uint64_t shift = shifted ? random_pair(request.seed, 0, r, RandomPurpose::lattice_shift, d).first : 0;
-      // fp32: 23 bits in the top of a signed word, offset so that the signed conversion is centred on 1/2.
-      words.push_back(request.fp64 ? shift >> 12 : ((shift >> 32) & ~std::uint64_t{511}) ^ 0x80000000u);
+      const std::uint64_t shift =
+          shifted ? random_pair(request.seed, 0, r, RandomPurpose::lattice_shift, d).first : 0;
+      // fp32: 23 bits in the top of a signed word, offset so that the signed conversion is centred
+      // on 1/2.
+      words.push_back(request.fp64 ? shift >> 12
+                                   : ((shift >> 32) & ~std::uint64_t{511}) ^ 0x80000000u);
     }
   }
   const std::uint64_t header[kHeader] = {request.dim, kHeader, steps, lanes, starts, 0, 0, 0};

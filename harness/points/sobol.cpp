@@ -23,21 +23,26 @@ struct DirectionLine {
 DirectionLine parse_line(const std::string& text, const std::string& where) {
   std::istringstream line(text);
   DirectionLine result;
-  if (!(line >> result.dimension >> result.degree >> result.coefficients) || result.degree == 0 || result.degree > 51)
+  if (!(line >> result.dimension >> result.degree >> result.coefficients) || result.degree == 0 ||
+      result.degree > 51)
     throw InputError(where, fmt::format("'{}'", text), "a line holds d, s, a and m_1 … m_s");
   for (std::uint32_t k = 1; k <= result.degree; ++k) {
     std::uint64_t m = 0;
     if (!(line >> m) || m % 2 == 0 || m >> k != 0)
-      throw InputError(where, fmt::format("m_{} of dimension {} is missing or wrong", k, result.dimension),
+      throw InputError(where,
+                       fmt::format("m_{} of dimension {} is missing or wrong", k, result.dimension),
                        "m_k is odd and below 2^k");
     result.m.push_back(m);
   }
   return result;
 }
 
-// v_k = a_1 v_{k-1} ^ … ^ a_{s-1} v_{k-s+1} ^ v_{k-s} ^ v_{k-s} >> s (Joe & Kuo 2008, eq. 2), as fractions.
+// v_k = a_1 v_{k-1} ^ … ^ a_{s-1} v_{k-s+1} ^ v_{k-s} ^ v_{k-s} >> s (Joe & Kuo 2008, eq. 2), as
+// fractions.
 void extend_columns(const DirectionLine& line, GeneratingMatrices& matrices, std::uint32_t d) {
-  const auto at = [&](std::uint32_t k) -> std::uint64_t& { return matrices.words[std::size_t{k} * matrices.dim + d]; };
+  const auto at = [&](std::uint32_t k) -> std::uint64_t& {
+    return matrices.words[std::size_t{k} * matrices.dim + d];
+  };
   const std::uint32_t s = line.degree;
   for (std::uint32_t k = 0; k < matrices.columns; ++k) {
     if (k < s) {
@@ -72,11 +77,15 @@ GeneratingMatrices sobol_matrices(std::uint32_t dim, std::uint32_t columns) {
   return result;
 }
 
-GeneratingMatrices sobol_matrices_from_file(const std::string& path, std::uint32_t dim, std::uint32_t columns) {
+GeneratingMatrices sobol_matrices_from_file(const std::string& path, std::uint32_t dim,
+                                            std::uint32_t columns) {
   std::ifstream file(path);
-  if (!file) throw InputError(path, "the direction-number file cannot be read", "give the path of a readable file");
+  if (!file)
+    throw InputError(path, "the direction-number file cannot be read",
+                     "give the path of a readable file");
   GeneratingMatrices result = empty_matrices(dim, columns);
-  for (std::uint32_t k = 0; k < columns; ++k) result.words[std::size_t{k} * dim] = std::uint64_t{1} << (kWordBits - 1 - k);
+  for (std::uint32_t k = 0; k < columns; ++k)
+    result.words[std::size_t{k} * dim] = std::uint64_t{1} << (kWordBits - 1 - k);
   std::string text;
   std::getline(file, text);  // the heading
   std::uint32_t found = 1;
@@ -85,11 +94,13 @@ GeneratingMatrices sobol_matrices_from_file(const std::string& path, std::uint32
     const std::string where = fmt::format("{}:{}", path, number);
     const DirectionLine line = parse_line(text, where);
     if (line.dimension != found + 1)
-      throw InputError(where, fmt::format("dimension {}", line.dimension), fmt::format("dimension {} comes here", found + 1));
+      throw InputError(where, fmt::format("dimension {}", line.dimension),
+                       fmt::format("dimension {} comes here", found + 1));
     extend_columns(line, result, found++);
   }
   if (found < dim)
-    throw InputError(path, fmt::format("direction numbers for {} dimensions", found), fmt::format("{} are drawn", dim));
+    throw InputError(path, fmt::format("direction numbers for {} dimensions", found),
+                     fmt::format("{} are drawn", dim));
   return result;
 }
 

@@ -1,6 +1,7 @@
-// Host-side tables of the point families: direction numbers, scrambles, lattice vectors. A family that needs tables
-// has harness/points/<family>.cpp with `PointTable build_<family>(const PointRequest&)`; CMake generates the list of
-// builders from the file names (<family> with '-' as '_').
+// Host-side tables of the point families: direction numbers, scrambles, lattice vectors. A family
+// that needs tables has harness/points/<family>.cpp with `PointTable build_<family>(const
+// PointRequest&)`; CMake generates the list of builders from the file names (<family> with '-' as
+// '_').
 #pragma once
 
 #include <cstdint>
@@ -13,13 +14,14 @@
 namespace koksma {
 
 struct PointRequest {
-  Json options;                  // the sampler entry's `options`
+  Json options;  // the sampler entry's `options`
   std::uint32_t dim = 1;
-  bool fp64 = true;              // words of 64 bits, else of 32 (returned in the low half)
-  std::uint64_t end_index = 1;   // indices below this are drawn; the table holds no more columns than that needs
+  bool fp64 = true;  // words of 64 bits, else of 32 (returned in the low half)
+  std::uint64_t end_index =
+      1;  // indices below this are drawn; the table holds no more columns than that needs
   std::uint32_t replicates = 1;
   std::uint64_t seed = 0;
-  std::string directions_file;   // Joe-Kuo format; empty: built-in direction numbers
+  std::string directions_file;  // Joe-Kuo format; empty: built-in direction numbers
 };
 
 // The words that the family's points_seek reads (layout: the head of kernels/points/<family>.cl).
@@ -32,16 +34,23 @@ using PointTableBuilder = PointTable (*)(const PointRequest&);
 // The builder of a family, nullptr if it draws without tables.
 PointTableBuilder find_table_builder(std::string_view family);
 
-// What a draw from the seed's stream is for; part of the Philox counter, so streams never meet (6-definitions 6).
-// Purpose 0 is the `random` family on the device.
-enum class RandomPurpose : std::uint32_t { points = 0, digital_shift = 1, linear_scramble = 2, nested_scramble = 3, lattice_shift = 4 };
+// What a draw from the seed's stream is for; part of the Philox counter, so streams never meet
+// (6-definitions 6). Purpose 0 is the `random` family on the device.
+enum class RandomPurpose : std::uint32_t {
+  points = 0,
+  digital_shift = 1,
+  linear_scramble = 2,
+  nested_scramble = 3,
+  lattice_shift = 4
+};
 
 struct RandomPair {
   std::uint64_t first, second;
 };
 
-// Philox4x32-10 with key `seed` and counter (index low, index high, replicate, purpose << 24 | dimension).
-RandomPair random_pair(std::uint64_t seed, std::uint64_t index, std::uint32_t replicate, RandomPurpose purpose,
-                       std::uint32_t dimension);
+// Philox4x32-10 with key `seed` and counter (index low, index high, replicate, purpose << 24 |
+// dimension).
+RandomPair random_pair(std::uint64_t seed, std::uint64_t index, std::uint32_t replicate,
+                       RandomPurpose purpose, std::uint32_t dimension);
 
 }  // namespace koksma

@@ -48,7 +48,8 @@ Json make_context(const DeviceFacts& device, const Study& study, const std::stri
 
 Json resume_context(const Json& context) {
   Json result;
-  for (const char* key : {"version", "revision", "build_type", "compiler", "device"}) result[key] = context[key];
+  for (const char* key : {"version", "revision", "build_type", "compiler", "device"})
+    result[key] = context[key];
   return result;
 }
 
@@ -62,7 +63,7 @@ Json make_results(const Json& context, const Json& cells) {
 
 void write_results(const Json& results, const std::string& path) {
   check_schema(results, "results/results.schema.json", path);
-  write_file_atomically(path, results.dump(1) + "\n");
+  write_file_atomically(path, dumped(results, 1) + "\n");
 }
 
 }  // namespace koksma

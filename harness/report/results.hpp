@@ -1,4 +1,5 @@
-// The results file: context and cells, checked against results/results.schema.json before it is written.
+// The results file: context and cells, checked against results/results.schema.json before it is
+// written.
 #pragma once
 
 #include <string>
@@ -11,7 +12,8 @@ namespace koksma {
 
 inline constexpr int kResultsSchemaVersion = 1;
 
-// version, revision, date (UTC), host, device and driver, build, seed, command line, the study verbatim.
+// version, revision, date (UTC), host, device and driver, build, seed, command line, the study
+// verbatim.
 Json make_context(const DeviceFacts& device, const Study& study, const std::string& command_line);
 
 // What must be equal for cells of an earlier run to be taken over.
@@ -20,7 +22,8 @@ Json resume_context(const Json& context);
 // {schema_version, context, cells}.
 Json make_results(const Json& context, const Json& cells);
 
-// Checks and writes; std::logic_error-free: InputError when the path cannot be written or the schema does not hold.
+// Checks and writes; std::logic_error-free: InputError when the path cannot be written or the
+// schema does not hold.
 void write_results(const Json& results, const std::string& path);
 
 }  // namespace koksma

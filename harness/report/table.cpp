@@ -21,15 +21,18 @@ std::string rate_text(const Json& convergence) {
   if (!convergence["rate"].is_number()) return "-";
   const double rate = convergence["rate"];
   if (!convergence["interval"].is_array()) return fmt::format("{:.2f}", rate);
-  const double half = (convergence["interval"][1].get<double>() - convergence["interval"][0].get<double>()) / 2;
+  const double half =
+      (convergence["interval"][1].get<double>() - convergence["interval"][0].get<double>()) / 2;
   return fmt::format("{:.2f} ± {:.2f}", rate, half);
 }
 
 std::string marks(const Json& cell, const Json& row) {
   std::string text;
   const auto add = [&](const std::string& mark) { text += (text.empty() ? "" : " ") + mark; };
-  if (row["heavy_tailed"] == true || cell["convergence"]["heavy_tailed"] == true) add("heavy-tailed");
-  if (row["nonfinite"].get<std::uint64_t>() > 0) add(fmt::format("non-finite:{}", row["nonfinite"].get<std::uint64_t>()));
+  if (row["heavy_tailed"] == true || cell["convergence"]["heavy_tailed"] == true)
+    add("heavy-tailed");
+  if (row["nonfinite"].get<std::uint64_t>() > 0)
+    add(fmt::format("non-finite:{}", row["nonfinite"].get<std::uint64_t>()));
   if (row["grid_limited"] == true) add("grid-limited");
   const std::string verdict = cell["convergence"]["verdict"];
   if (verdict == "within-gate" || verdict == "outside-gate") add(verdict);
@@ -40,14 +43,19 @@ std::string marks(const Json& cell, const Json& row) {
 
 // std::format pads by bytes; the table has '±', which is two.
 std::string padded(const std::string& text, std::size_t width) {
-  const auto wide = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+  const auto wide = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
   return text + std::string(wide < width ? width - wide : 0, ' ');
 }
 
 std::vector<std::string> cell_columns(const Json& cell) {
-  std::vector<std::string> columns{cell["scene"]["text"], cell["sampler"], cell["estimator"], cell["precision"].is_string() ? cell["precision"].get<std::string>() : "-"};
+  std::vector<std::string> columns{
+      cell["scene"]["text"], cell["sampler"], cell["estimator"],
+      cell["precision"].is_string() ? cell["precision"].get<std::string>() : "-"};
   if (cell["status"] != "ok" || cell["rows"].empty()) {
-    columns.push_back(fmt::format("{}: {}", cell["status"].get<std::string>(), cell["reason"].get<std::string>()));
+    columns.push_back(fmt::format("{}: {}", cell["status"].get<std::string>(),
+                                  cell["reason"].get<std::string>()));
     return columns;
   }
   const Json& row = cell["rows"].back();
@@ -57,20 +65,27 @@ std::vector<std::string> cell_columns(const Json& cell) {
   columns.push_back(rate_text(cell["convergence"]));
   columns.push_back(number(cell["convergence"]["expected"], "{:.2f}"));
   columns.push_back(fmt::format("{:.3g}", row["seconds_per_replicate"].get<double>() * 1e3));
-  columns.push_back(row["coordinates_per_s"].is_number() ? fmt::format("{:.2f}", row["coordinates_per_s"].get<double>() * 1e-9) : "-");
+  columns.push_back(row["coordinates_per_s"].is_number()
+                        ? fmt::format("{:.2f}", row["coordinates_per_s"].get<double>() * 1e-9)
+                        : "-");
   columns.push_back(marks(cell, row));
   return columns;
 }
 
 constexpr const char* kLegend =
-    "error: RMSE and median |e| of single N-point estimates at the largest N. rate: slope of log2 RMSE, ± half its 95 %\n"
-    "interval; theory: the expected slope, log factors left out. ms: kernel time of one replicate. Gcoord/s: 1e9\n"
-    "coordinates generated, evaluated and summed per second. heavy-tailed: believe the median, not the RMSE.\n";
+    "error: RMSE and median |e| of single N-point estimates at the largest N. rate: slope of log2 "
+    "RMSE, ± half its 95 %\n"
+    "interval; theory: the expected slope, log factors left out. ms: kernel time of one replicate. "
+    "Gcoord/s: 1e9\n"
+    "coordinates generated, evaluated and summed per second. heavy-tailed: believe the median, not "
+    "the RMSE.\n";
 
 }  // namespace
 
 std::string results_table(const Json& results) {
-  std::vector<std::vector<std::string>> lines{{"scene", "sampler", "estimator", "prec", "N", "RMSE", "median|e|", "rate", "theory", "ms", "Gcoord/s", ""}};
+  std::vector<std::vector<std::string>> lines{{"scene", "sampler", "estimator", "prec", "N", "RMSE",
+                                               "median|e|", "rate", "theory", "ms", "Gcoord/s",
+                                               ""}};
   for (const Json& cell : results["cells"]) lines.push_back(cell_columns(cell));
   std::vector<std::size_t> widths(lines[0].size(), 0);
   for (const auto& line : lines)
@@ -79,24 +94,32 @@ std::string results_table(const Json& results) {
   std::string text;
   for (const auto& line : lines) {
     std::string out;
-    for (std::size_t c = 0; c < line.size(); ++c) out += c + 1 < line.size() ? padded(line[c], widths[c] + 2) : line[c];
+    for (std::size_t c = 0; c < line.size(); ++c)
+      out += c + 1 < line.size() ? padded(line[c], widths[c] + 2) : line[c];
     text += out.substr(0, out.find_last_not_of(' ') + 1) + "\n";
   }
   return text + "\n" + kLegend;
 }
 
 Progress::Progress(std::FILE* stream, std::size_t total, bool quiet)
-    : stream_(stream), total_(total), quiet_(quiet), terminal_(isatty(fileno(stream)) != 0), start_(std::chrono::steady_clock::now()) {}
+    : stream_(stream),
+      total_(total),
+      quiet_(quiet),
+      terminal_(isatty(fileno(stream)) != 0),
+      start_(std::chrono::steady_clock::now()) {}
 
 void Progress::draw(const std::string& text) {
   constexpr std::size_t kWidth = 30;
   const std::size_t filled = total_ == 0 ? kWidth : done_ * kWidth / total_;
   std::string left = "";
   if (done_ > 0) {
-    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    left = fmt::format(" {:.0f} s left", spent / static_cast<double>(done_) * static_cast<double>(total_ - done_));
+    const double spent =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    left = fmt::format(" {:.0f} s left",
+                       spent / static_cast<double>(done_) * static_cast<double>(total_ - done_));
   }
-  fmt::print(stream_, "\r\033[K[{}{}] {}/{}{}  {}", std::string(filled, '#'), std::string(kWidth - filled, '.'), done_, total_, left, text);
+  fmt::print(stream_, "\r\033[K[{}{}] {}/{}{}  {}", std::string(filled, '#'),
+             std::string(kWidth - filled, '.'), done_, total_, left, text);
   std::fflush(stream_);
 }
 

@@ -9,16 +9,18 @@
 
 namespace koksma {
 
-// One line per cell: error at the largest N, rate with its interval, time, throughput, marks; then a legend.
+// One line per cell: error at the largest N, rate with its interval, time, throughput, marks; then
+// a legend.
 std::string results_table(const Json& results);
 
-// A bar with the time left on a terminal, a plain line per finished cell elsewhere, nothing when quiet.
+// A bar with the time left on a terminal, a plain line per finished cell elsewhere, nothing when
+// quiet.
 class Progress {
  public:
   Progress(std::FILE* stream, std::size_t total, bool quiet);
-  void stage(const std::string& text);                // what is going on now
-  void finished(const std::string& cell_line);        // one more cell is done
-  void clear();                                       // removes the bar
+  void stage(const std::string& text);          // what is going on now
+  void finished(const std::string& cell_line);  // one more cell is done
+  void clear();                                 // removes the bar
 
  private:
   void draw(const std::string& text);

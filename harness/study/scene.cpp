@@ -13,7 +13,8 @@ namespace {
 std::optional<double> parse_number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
   return value;
 }
 
@@ -34,7 +35,8 @@ void set_dimension(Scene& scene, const Integrand& f, double value, std::string_v
   scene.dim = static_cast<std::uint32_t>(value);
 }
 
-void set_parameter(Scene& scene, const Integrand& f, std::string_view key, double value, std::string_view where) {
+void set_parameter(Scene& scene, const Integrand& f, std::string_view key, double value,
+                   std::string_view where) {
   for (std::size_t i = 0; i < f.parameters.size(); ++i) {
     const Parameter& p = f.parameters[i];
     if (p.name != key) continue;
@@ -67,13 +69,15 @@ Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_vie
   scene.dim = f.default_dim;
   for (const Parameter& p : f.parameters) scene.parameters.push_back(p.default_value);
 
-  std::string_view rest = name.size() < text.size() ? text.substr(name.size() + 1) : std::string_view{};
+  std::string_view rest =
+      name.size() < text.size() ? text.substr(name.size() + 1) : std::string_view{};
   while (!rest.empty()) {
     const std::string_view pair = rest.substr(0, rest.find(','));
     rest = pair.size() < rest.size() ? rest.substr(pair.size() + 1) : std::string_view{};
     const std::size_t equals = pair.find('=');
     const std::string_view key = pair.substr(0, equals);
-    const auto value = equals == std::string_view::npos ? std::nullopt : parse_value(pair.substr(equals + 1));
+    const auto value =
+        equals == std::string_view::npos ? std::nullopt : parse_value(pair.substr(equals + 1));
     if (!value)
       throw InputError(where, fmt::format("'{}' is no key=value with a number", pair),
                        "write NAME:key=value,key=value; a value is a number or a fraction a/b");

@@ -14,7 +14,8 @@ namespace koksma {
 namespace {
 
 constexpr std::string_view kDefaultStudy = "harness/study/default.study.json";
-constexpr std::string_view kSizesHelp = "write 2^8..2^20, 2^10, 1000, or a comma-separated list of these";
+constexpr std::string_view kSizesHelp =
+    "write 2^8..2^20, 2^10, 1000, or a comma-separated list of these";
 
 std::uint64_t parse_size(std::string_view text, std::string_view whole, std::string_view where) {
   const bool power = text.starts_with("2^");
@@ -23,11 +24,13 @@ std::uint64_t parse_size(std::string_view text, std::string_view whole, std::str
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   const bool whole_number = error == std::errc{} && end == digits.data() + digits.size();
   if (!whole_number || (power ? value > 62 : value == 0))
-    throw InputError(where, fmt::format("'{}' in '{}' is no sample count", text, whole), kSizesHelp);
+    throw InputError(where, fmt::format("'{}' in '{}' is no sample count", text, whole),
+                     kSizesHelp);
   return power ? std::uint64_t{1} << value : value;
 }
 
-void add_range(std::set<std::uint64_t>& sizes, std::string_view item, std::string_view whole, std::string_view where) {
+void add_range(std::set<std::uint64_t>& sizes, std::string_view item, std::string_view whole,
+               std::string_view where) {
   const std::size_t dots = item.find("..");
   const std::uint64_t first = parse_size(item.substr(0, dots), whole, where);
   if (dots == std::string_view::npos) {
@@ -36,20 +39,23 @@ void add_range(std::set<std::uint64_t>& sizes, std::string_view item, std::strin
   }
   const std::uint64_t last = parse_size(item.substr(dots + 2), whole, where);
   if (!std::has_single_bit(first) || !std::has_single_bit(last) || first > last)
-    throw InputError(where, fmt::format("'{}' is no range", item), "a range runs between two powers of two, upwards");
+    throw InputError(where, fmt::format("'{}' is no range", item),
+                     "a range runs between two powers of two, upwards");
   for (std::uint64_t n = first; n <= last; n *= 2) sizes.insert(n);
 }
 
 // The value of the innermost place that sets `key`: the flag, the block, the study.
-std::string setting(const std::string& flag, const Json& block, const Json& study, const char* key) {
+std::string setting(const std::string& flag, const Json& block, const Json& study,
+                    const char* key) {
   if (!flag.empty()) return flag;
   for (const Json* level : {&block, &study})
-    if (const auto found = level->find(key); found != level->end()) return found->get<std::string>();
+    if (const auto found = level->find(key); found != level->end())
+      return found->get<std::string>();
   return "";
 }
 
-std::string where_set(const std::string& flag, const char* key, const Json& block, const std::string& file,
-                      const std::string& pointer) {
+std::string where_set(const std::string& flag, const char* key, const Json& block,
+                      const std::string& file, const std::string& pointer) {
   if (!flag.empty()) return fmt::format("--{}", key);
   return fmt::format("{}, at '{}/{}'", file, block.contains(key) ? pointer : "", key);
 }
@@ -58,7 +64,8 @@ void check_sizes(const Cell& cell, const Sampler& sampler, const std::string& wh
   for (const std::uint64_t n : cell.n) {
     if (sampler.power_of_two && !std::has_single_bit(n))
       throw InputError(where, fmt::format("N = {} for sampler '{}'", n, sampler.name),
-                       fmt::format("it needs a power of two; the nearest are {} and {}", std::bit_floor(n), std::bit_ceil(n)));
+                       fmt::format("it needs a power of two; the nearest are {} and {}",
+                                   std::bit_floor(n), std::bit_ceil(n)));
     if (n > std::uint64_t{1} << sampler.max_log2_n)
       throw InputError(where, fmt::format("N = {} for sampler '{}'", n, sampler.name),
                        fmt::format("it has at most 2^{} points", sampler.max_log2_n));
@@ -76,17 +83,20 @@ struct BlockReader {
     return where_set(flag, key, block, file, pointer);
   }
 
-  Cell cell(const Scene& scene, const std::string& sampler_name, const std::string& sampler_where) const {
+  Cell cell(const Scene& scene, const std::string& sampler_name,
+            const std::string& sampler_where) const {
     const Sampler& sampler = catalog.sampler(sampler_name, sampler_where);
     if (scene.dim > sampler.max_dim && !flags.own_directions)
-      throw InputError(sampler_where, fmt::format("scene '{}' draws d = {}", scene.text, scene.dim),
-                       fmt::format("sampler '{}' has at most {} dimensions", sampler.name, sampler.max_dim));
+      throw InputError(
+          sampler_where, fmt::format("scene '{}' draws d = {}", scene.text, scene.dim),
+          fmt::format("sampler '{}' has at most {} dimensions", sampler.name, sampler.max_dim));
     Cell cell;
     cell.scene = scene;
     cell.sampler = sampler.name;
     set_estimator(cell, sampler);
     const std::string precision = setting(flags.precision, block, study, "precision");
-    if (!precision.empty()) cell.precision = precision == "fp32" ? Precision::fp32 : Precision::fp64;
+    if (!precision.empty())
+      cell.precision = precision == "fp32" ? Precision::fp32 : Precision::fp64;
     cell.sum = setting(flags.sum, block, study, "sum");
     if (!cell.sum.empty()) catalog.sum(cell.sum, place(flags.sum, "sum"));
     const std::string sizes = setting(flags.n, block, study, "n");
@@ -99,16 +109,21 @@ struct BlockReader {
   void set_estimator(Cell& cell, const Sampler& sampler) const {
     const std::string name = setting(flags.estimator, block, study, "estimator");
     const std::string where = place(flags.estimator, "estimator");
-    const Estimator& estimator = catalog.estimator(name.empty() ? sampler.default_estimator : name, where);
+    const Estimator& estimator =
+        catalog.estimator(name.empty() ? sampler.default_estimator : name, where);
     if (!fits(estimator, sampler))
-      throw InputError(where, fmt::format("estimator '{}' does not fit sampler '{}'", estimator.name, sampler.name),
-                       fmt::format("these do: {}", fmt::join(fitting_estimators(catalog, sampler), ", ")));
+      throw InputError(
+          where,
+          fmt::format("estimator '{}' does not fit sampler '{}'", estimator.name, sampler.name),
+          fmt::format("these do: {}", fmt::join(fitting_estimators(catalog, sampler), ", ")));
     cell.estimator = estimator.name;
-    const std::uint32_t fallback = block.value("replicates", study.value("replicates", std::uint32_t{32}));
+    const std::uint32_t fallback =
+        block.value("replicates", study.value("replicates", std::uint32_t{32}));
     cell.replicates = estimator.replicated ? flags.replicates.value_or(fallback) : 1;
     if (estimator.interval == "student-t" && cell.replicates < 2)
-      throw InputError(flags.replicates ? "--replicates" : place("", "replicates"), "1 replicate",
-                       fmt::format("estimator '{}' needs at least 2 for its interval", estimator.name));
+      throw InputError(
+          flags.replicates ? "--replicates" : place("", "replicates"), "1 replicate",
+          fmt::format("estimator '{}' needs at least 2 for its interval", estimator.name));
   }
 };
 
@@ -124,14 +139,16 @@ Json merged(const Json& study, const StudyFlags& flags) {
       for (Json each : study["cells"]) {
         if (!flags.scenes.empty()) each["scenes"] = flags.scenes;
         if (!flags.samplers.empty()) each["samplers"] = flags.samplers;
-        if (std::find(result["cells"].begin(), result["cells"].end(), each) == result["cells"].end())
+        if (std::find(result["cells"].begin(), result["cells"].end(), each) ==
+            result["cells"].end())
           result["cells"].push_back(each);
       }
     } else {
       result["cells"].push_back(block);
     }
   }
-  for (const auto& [key, value] : {std::pair{"n", flags.n}, {"precision", flags.precision}, {"sum", flags.sum}}) {
+  for (const auto& [key, value] :
+       {std::pair{"n", flags.n}, {"precision", flags.precision}, {"sum", flags.sum}}) {
     if (value.empty()) continue;
     result[key] = value;
     for (Json& block : result["cells"]) block.erase(key);
@@ -148,7 +165,9 @@ Json merged(const Json& study, const StudyFlags& flags) {
 
 }  // namespace
 
-std::string_view precision_name(Precision precision) { return precision == Precision::fp32 ? "fp32" : "fp64"; }
+std::string_view precision_name(Precision precision) {
+  return precision == Precision::fp32 ? "fp32" : "fp64";
+}
 
 std::vector<std::uint64_t> parse_sizes(std::string_view text, std::string_view where) {
   std::set<std::uint64_t> sizes;
@@ -164,7 +183,8 @@ std::vector<std::uint64_t> parse_sizes(std::string_view text, std::string_view w
 
 Study read_study(const Catalog& catalog, const std::string& path, const StudyFlags& flags) {
   const std::string file = path.empty() ? std::string(kDefaultStudy) : path;
-  const std::string text = path.empty() ? std::string(embedded_text(kDefaultStudy)) : read_text_file(path);
+  const std::string text =
+      path.empty() ? std::string(embedded_text(kDefaultStudy)) : read_text_file(path);
   const Json given = parse_json(text, file);
   check_schema(given, "harness/study/study.schema.json", file);
 
@@ -174,12 +194,17 @@ Study read_study(const Catalog& catalog, const std::string& path, const StudyFla
   study.seed = study.verbatim.value("seed", std::uint64_t{1});
   const Json& blocks = study.verbatim["cells"];
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const BlockReader reader{catalog, flags, study.verbatim, blocks[b], file, fmt::format("/cells/{}", b)};
+    const BlockReader reader{catalog,   flags, study.verbatim,
+                             blocks[b], file,  fmt::format("/cells/{}", b)};
     for (std::size_t s = 0; s < blocks[b]["scenes"].size(); ++s) {
-      const std::string where = flags.scenes.empty() ? fmt::format("{}, at '{}/scenes/{}'", file, reader.pointer, s) : "--scene";
+      const std::string where = flags.scenes.empty()
+                                    ? fmt::format("{}, at '{}/scenes/{}'", file, reader.pointer, s)
+                                    : "--scene";
       const Scene scene = parse_scene(catalog, blocks[b]["scenes"][s].get<std::string>(), where);
       for (std::size_t p = 0; p < blocks[b]["samplers"].size(); ++p) {
-        const std::string sampler_where = flags.samplers.empty() ? fmt::format("{}, at '{}/samplers/{}'", file, reader.pointer, p) : "--sampler";
+        const std::string sampler_where =
+            flags.samplers.empty() ? fmt::format("{}, at '{}/samplers/{}'", file, reader.pointer, p)
+                                   : "--sampler";
         Cell cell = reader.cell(scene, blocks[b]["samplers"][p], sampler_where);
         cell.seed = study.seed;
         study.cells.push_back(std::move(cell));

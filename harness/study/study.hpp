@@ -1,5 +1,5 @@
-// A study: the list of cells to run, from a JSON file, from flags, or both. Everything that can be checked without
-// a device or a table is checked here, before any device work.
+// A study: the list of cells to run, from a JSON file, from flags, or both. Everything that can be
+// checked without a device or a table is checked here, before any device work.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct Scene {
   std::string integrand;
   std::uint32_t dim = 1;
   std::vector<double> parameters;  // in the order of the integrand's entry
-  std::string text;                // canonical spelling, NAME:d=D,key=value for what differs from the default
+  std::string text;  // canonical spelling, NAME:d=D,key=value for what differs from the default
 };
 
 // scene x sampler x estimator x precision, and the sizes N to run it at.
@@ -53,10 +53,12 @@ struct StudyFlags {
 // "NAME" or "NAME:key=value,…"; values are numbers or fractions a/b; the key d is the dimension.
 Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_view where);
 
-// "2^8..2^20" (every power of two between), "1000", "2^10", or a comma-separated list of these; ascending.
+// "2^8..2^20" (every power of two between), "1000", "2^10", or a comma-separated list of these;
+// ascending.
 std::vector<std::uint64_t> parse_sizes(std::string_view text, std::string_view where);
 
-// Reads a study: `path` empty means the default study. InputError names the file and the JSON pointer, or the flag.
+// Reads a study: `path` empty means the default study. InputError names the file and the JSON
+// pointer, or the flag.
 Study read_study(const Catalog& catalog, const std::string& path, const StudyFlags& flags);
 
 }  // namespace koksma

@@ -1,0 +1,203 @@
+// koksma_bench: speeds in coordinates/s by the device's own clock, the fused Sobol' kernel beside its hand-written
+// limit, and memory against N. Rows: fused_sobol, limit_sobol and ratio_sobol per precision, samplers/<name> for
+// every sampler of the catalog, memory_flat. --benchmark_filter=REGEX selects.
+//
+// The exit status is 1 when a row's `ratio` is below its `required`, or its `growth_mb` not below its `limit_mb`.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <limits>
+
+#include "avx2_limit.hpp"
+#include "subject.hpp"
+
+namespace koksma::bench {
+namespace {
+
+using State = benchmark::State;
+
+constexpr const char* kScene = "linear-prod:d=8";
+constexpr const char* kSobol = "sobol-shift";
+// 2^27 coordinates a launch: 5 to 20 ms, long beside the 60 us that a launch costs.
+constexpr std::uint64_t kSobolN = std::uint64_t{1} << 22;
+constexpr std::uint32_t kSobolReplicates = 4;
+// Subject and limit alternate this often; the ratio is that of their fastest rounds, as machines jitter.
+constexpr int kRounds = 41;
+
+// What was required and missed, for the exit status.
+std::vector<std::string>& missed() {
+  static std::vector<std::string> rows;
+  return rows;
+}
+
+// Failures become rows with an error instead of ending the program.
+template <typename Body>
+void guarded(State& state, Body&& body) {
+  try {
+    body();
+  } catch (const std::exception& error) {
+    state.SkipWithError(error.what());
+  }
+}
+
+void count_coordinates(State& state, double coordinates_per_iteration) {
+  state.counters["coordinates/s"] = benchmark::Counter(coordinates_per_iteration, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+double coordinates(const Plan& plan, std::uint64_t n) {
+  return static_cast<double>(n) * plan.cell.replicates * plan.cell.scene.dim;
+}
+
+SubjectSpec sobol_spec(Precision precision) { return {kScene, kSobol, precision, kSobolN, kSobolReplicates}; }
+
+// The hand-written limit of a subject: the same blocks, replicates, table and coefficients.
+class SobolLimit {
+ public:
+  explicit SobolLimit(const Subject& subject) : table_(build_point_table(subject.plan())) {
+    const Plan& plan = subject.plan();
+    work_ = {table_.data(), subject.coefficients(),   kSobolN,     subject.log2_block(kSobolN),
+             plan.cell.replicates, plan.fp64(), plan.sampler->centred};
+  }
+
+  double run() { return run_digital_limit(work_, partials_); }
+
+  double mean() const {
+    double sum = 0;
+    for (const double partial : partials_) sum += partial;
+    return sum / (static_cast<double>(work_.n) * work_.replicates);
+  }
+
+ private:
+  std::vector<std::byte> table_;
+  LimitWork work_;
+  std::vector<double> partials_;
+};
+
+void require_avx2() {
+  if (!has_avx2()) throw UnsupportedError("the hand-written limits need AVX2");
+}
+
+// Same points, same operations: the means may differ by rounding of the samples only.
+void require_same_mean(const Subject& subject, const SobolLimit& limit) {
+  const double bound = subject.plan().fp64() ? 1e-14 : 1e-6;
+  if (std::abs(subject.mean() - limit.mean()) <= bound * std::abs(limit.mean())) return;
+  throw std::runtime_error(fmt::format("the kernel's mean {:.17g} is not the limit's {:.17g}", subject.mean(), limit.mean()));
+}
+
+void fused_sobol(State& state, Precision precision) {
+  guarded(state, [&] {
+    Subject subject(sobol_spec(precision));
+    for (auto _ : state) state.SetIterationTime(subject.run(kSobolN));
+    count_coordinates(state, coordinates(subject.plan(), kSobolN));
+  });
+}
+
+void limit_sobol(State& state, Precision precision) {
+  guarded(state, [&] {
+    require_avx2();
+    const Subject subject(sobol_spec(precision));
+    SobolLimit limit(subject);
+    for (auto _ : state) state.SetIterationTime(limit.run());
+    count_coordinates(state, coordinates(subject.plan(), kSobolN));
+  });
+}
+
+// One iteration is one round; the time shown is the subject's.
+void ratio_sobol(State& state, Precision precision, double required) {
+  guarded(state, [&] {
+    require_avx2();
+    Subject subject(sobol_spec(precision));
+    SobolLimit limit(subject);
+    subject.run(kSobolN);
+    limit.run();
+    require_same_mean(subject, limit);
+    double subject_s = std::numeric_limits<double>::infinity(), limit_s = subject_s;
+    for (auto _ : state) {
+      const double seconds = subject.run(kSobolN);
+      subject_s = std::min(subject_s, seconds);
+      limit_s = std::min(limit_s, limit.run());
+      state.SetIterationTime(seconds);
+    }
+    const double ratio = limit_s / subject_s, count = coordinates(subject.plan(), kSobolN);
+    state.counters["ratio"] = ratio;
+    state.counters["required"] = required;
+    state.counters["subject_best/s"] = count / subject_s;
+    state.counters["limit_best/s"] = count / limit_s;
+    if (ratio < required) missed().push_back(fmt::format("{}: ratio {:.3f} < {}", precision_name(precision), ratio, required));
+  });
+}
+
+// As many samples as the sampler has, up to those of fused_sobol.
+void sampler_speed(State& state, const Sampler& sampler, Precision precision) {
+  guarded(state, [&] {
+    const std::uint64_t n = std::min(kSobolN, std::uint64_t{1} << sampler.max_log2_n);
+    Subject subject({fmt::format("linear-prod:d={}", std::min(8U, sampler.max_dim)), sampler.name, precision, n,
+                     sampler.replicable ? kSobolReplicates : 1});
+    for (auto _ : state) state.SetIterationTime(subject.run(n));
+    count_coordinates(state, coordinates(subject.plan(), n));
+  });
+}
+
+// Resident bytes of this process (second field of statm, in pages).
+double resident_mb() {
+  std::ifstream statm("/proc/self/statm");
+  double total = 0, resident = 0;
+  statm >> total >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 0x1p-20;
+}
+
+// How far resident memory rises above its level after N = 2^20 while N = 2^34 runs, looked at after every launch.
+void memory_flat(State& state, double limit_mb) {
+  guarded(state, [&] {
+    constexpr std::uint64_t small = std::uint64_t{1} << 20, large = std::uint64_t{1} << 34;
+    Subject subject({"linear-prod:d=2", kSobol, Precision::fp64, large, 1});
+    subject.run(small);
+    const double before = resident_mb();
+    double most = before;
+    subject.after_launch([&] { most = std::max(most, resident_mb()); });
+    for (auto _ : state) state.SetIterationTime(subject.run(large));
+    // The true mean is 1; a wrong index beyond 2^32 would show.
+    if (std::abs(subject.mean() - 1) > 1e-8) throw std::runtime_error(fmt::format("the mean is {:.17g}, not 1", subject.mean()));
+    count_coordinates(state, coordinates(subject.plan(), large));
+    state.counters["growth_mb"] = most - before;
+    state.counters["limit_mb"] = limit_mb;
+    if (most - before >= limit_mb) missed().push_back(fmt::format("memory_flat: {:.1f} MiB >= {} MiB", most - before, limit_mb));
+  });
+}
+
+void register_rows() {
+  const struct {
+    Precision precision;
+    double required;
+  } precisions[] = {{Precision::fp32, 0.85}, {Precision::fp64, 0.8}};
+  const auto timed = [](benchmark::internal::Benchmark* row) { return row->UseManualTime()->Unit(benchmark::kMillisecond); };
+  for (const auto& [precision, required] : precisions) {
+    const auto name = [&](std::string_view row) { return fmt::format("{}/{}/d:8", row, precision_name(precision)); };
+    timed(benchmark::RegisterBenchmark(name("fused_sobol").c_str(), fused_sobol, precision));
+    timed(benchmark::RegisterBenchmark(name("limit_sobol").c_str(), limit_sobol, precision));
+    timed(benchmark::RegisterBenchmark(name("ratio_sobol").c_str(), ratio_sobol, precision, required))->Iterations(kRounds);
+  }
+  for (const Sampler& sampler : catalog().samplers)
+    for (const auto& [precision, required] : precisions)
+      timed(benchmark::RegisterBenchmark(fmt::format("samplers/{}/{}", sampler.name, precision_name(precision)).c_str(),
+                                         [&sampler, precision = precision](State& state) { sampler_speed(state, sampler, precision); }));
+  timed(benchmark::RegisterBenchmark("memory_flat/fp64/d:2", memory_flat, 8.0))->Iterations(1);
+}
+
+}  // namespace
+}  // namespace koksma::bench
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  koksma::bench::register_rows();
+  benchmark::RunSpecifiedBenchmarks();
+  for (const std::string& row : koksma::bench::missed()) std::fprintf(stderr, "missed: %s\n", row.c_str());
+  return koksma::bench::missed().empty() ? 0 : 1;
+}
