@@ -1,8 +1,10 @@
-// The catalog: everything in kernels/ and integrands/ is embedded and loads, entries that are wrong are told by file
-// and place, a user's pair of files joins without a rebuild, and no name is written in C++.
+// The catalog: everything in kernels/ and integrands/ is embedded and loads, entries that are wrong
+// are told by file and place, a user's pair of files joins without a rebuild, and no name is
+// written in C++.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <regex>
+#include <set>
 
 #include "catalog/embedded.hpp"
 #include "error/error.hpp"
@@ -44,9 +46,11 @@ struct OwnPair {
 
 // String literals of C++ source, comments and includes left out.
 std::vector<std::string> string_literals(const std::string& source) {
-  static const std::regex token(R"re(//[^\n]*|/\*[^]*?\*/|#include[^\n]*|'(\\.|[^'\\])'|R"\(([^]*?)\)"|"((\\.|[^"\\\n])*)")re");
+  static const std::regex token(
+      R"re(//[^\n]*|/\*[^]*?\*/|#include[^\n]*|'(\\.|[^'\\])'|R"\(([^]*?)\)"|"((\\.|[^"\\\n])*)")re");
   std::vector<std::string> found;
-  for (auto it = std::sregex_iterator(source.begin(), source.end(), token); it != std::sregex_iterator(); ++it)
+  for (auto it = std::sregex_iterator(source.begin(), source.end(), token);
+       it != std::sregex_iterator(); ++it)
     if ((*it)[2].matched || (*it)[3].matched) found.push_back((*it)[2].str() + (*it)[3].str());
   return found;
 }
@@ -61,20 +65,23 @@ std::vector<std::string> names_of_the_catalog() {
   add(test::catalog().samplers);
   add(test::catalog().integrands);
   add(test::catalog().sums);
-  add(test::catalog().transforms);
   return names;
 }
 
 // The name in the text as a word of its own, "" if there is none.
 std::string name_in(const std::string& text, const std::vector<std::string>& names) {
   for (const std::string& name : names)
-    if (std::regex_search(text, std::regex("(^|[^a-z0-9-])" + name + "($|[^a-z0-9-])"))) return name;
+    if (std::regex_search(text, std::regex("(^|[^a-z0-9-])" + name + "($|[^a-z0-9-])")))
+      return name;
   return "";
 }
 
 }  // namespace
 
-TEST_CASE("every .cl and .json of kernels/ and integrands/ is embedded as it is, and nothing else of them", "[unit]") {
+TEST_CASE(
+    "every .cl and .json of kernels/ and integrands/ is embedded as it is, and nothing else of "
+    "them",
+    "[unit]") {
   std::vector<std::string> on_disk;
   for (const char* top : {"kernels", "integrands"}) {
     for (const auto& file : fs::recursive_directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / top)) {
@@ -85,7 +92,8 @@ TEST_CASE("every .cl and .json of kernels/ and integrands/ is embedded as it is,
     }
   }
   std::size_t embedded = 0;
-  for (const EmbeddedFile& file : embedded_files()) embedded += file.path.starts_with("kernels/") || file.path.starts_with("integrands/") ? 1 : 0;
+  for (const EmbeddedFile& file : embedded_files())
+    embedded += file.path.starts_with("kernels/") || file.path.starts_with("integrands/") ? 1 : 0;
   CHECK(embedded == on_disk.size());
 }
 
@@ -114,7 +122,8 @@ TEST_CASE("the embedded catalog loads, and every entry has its code", "[unit]") 
   }
 }
 
-TEST_CASE("every .cl of integrands/, sums/, transforms/ and points/ belongs to an entry", "[unit]") {
+TEST_CASE("every .cl of integrands/, sums/, transforms/ and points/ belongs to an entry",
+          "[unit]") {
   std::set<std::string> owned;
   const auto own = [&](const auto& entries) {
     for (const auto& e : entries) owned.insert(e.code.path);
@@ -122,9 +131,12 @@ TEST_CASE("every .cl of integrands/, sums/, transforms/ and points/ belongs to a
   own(test::catalog().families);
   own(test::catalog().integrands);
   own(test::catalog().transforms);
+  own(test::catalog().filters);
   own(test::catalog().sums);
   for (const EmbeddedFile& file : embedded_files()) {
-    if (!file.path.ends_with(".cl") || (file.path.starts_with("kernels/") && file.path.find('/', 8) == std::string_view::npos)) continue;
+    if (!file.path.ends_with(".cl") ||
+        (file.path.starts_with("kernels/") && file.path.find('/', 8) == std::string_view::npos))
+      continue;
     INFO(file.path);
     CHECK(owned.count(std::string(file.path)) == 1);
   }
@@ -158,41 +170,52 @@ TEST_CASE("a user's pair of files is an integrand like any other", "[unit]") {
 TEST_CASE("a user's entry without code, or code without entry, is told by its path", "[unit]") {
   const OwnPair own;
   fs::remove(own.folder.path("mine.cl"));
-  CHECK_THROWS_WITH(load_catalog({own.json_path}), Contains(own.folder.path("mine.cl")) && Contains("cannot be read"));
-  CHECK_THROWS_WITH(load_catalog({own.folder.path("none.json")}), Contains(own.folder.path("none.json")) && Contains("cannot be read"));
+  CHECK_THROWS_WITH(load_catalog({own.json_path}),
+                    Contains(own.folder.path("mine.cl")) && Contains("cannot be read"));
+  CHECK_THROWS_WITH(load_catalog({own.folder.path("none.json")}),
+                    Contains(own.folder.path("none.json")) && Contains("cannot be read"));
   CHECK_THROWS_WITH(load_catalog({own.folder.path("")}), Contains("cannot be read"));
 }
 
 TEST_CASE("malformed JSON names the file, the line and the column", "[unit]") {
   const test::TemporaryFolder folder;
-  const std::string path = folder.write("bad.json", "{\n  \"name\": \"x\",\n  \"title\" \"y\"\n}\n");
+  const std::string path =
+      folder.write("bad.json", "{\n  \"name\": \"x\",\n  \"title\" \"y\"\n}\n");
   folder.write("bad.cl", "");
   CHECK_THROWS_AS(load_catalog({path}), InputError);
   CHECK_THROWS_WITH(load_catalog({path}), Contains(path) && Contains("line 3, column 13"));
-  CHECK_THROWS_WITH(parse_json("", "empty.json"), Contains("empty.json") && Contains("line 1, column 1"));
+  CHECK_THROWS_WITH(parse_json("", "empty.json"),
+                    Contains("empty.json") && Contains("line 1, column 1"));
 }
 
 TEST_CASE("an unknown key names the file and the JSON pointer and suggests the nearest", "[unit]") {
   OwnPair own;
   own.entry["citatoin"] = "x";
-  CHECK_THAT(own.refusal(), Contains(own.json_path + ", at '/citatoin'") && Contains("unknown key 'citatoin'") && Contains("did you mean 'citation'?"));
+  CHECK_THAT(own.refusal(), Contains(own.json_path + ", at '/citatoin'") &&
+                                Contains("unknown key 'citatoin'") &&
+                                Contains("did you mean 'citation'?"));
   own.entry.erase("citatoin");
   own.entry["parameters"][1]["defualt"] = 1;
-  CHECK_THAT(own.refusal(), Contains("at '/parameters/1/defualt'") && Contains("did you mean 'default'?"));
+  CHECK_THAT(own.refusal(),
+             Contains("at '/parameters/1/defualt'") && Contains("did you mean 'default'?"));
   own.entry["parameters"][1].erase("defualt");
   own.entry["exact"]["mean"]["sorce"] = "x";
-  CHECK_THAT(own.refusal(), Contains("at '/exact/mean/sorce'") && Contains("did you mean 'source'?"));
+  CHECK_THAT(own.refusal(),
+             Contains("at '/exact/mean/sorce'") && Contains("did you mean 'source'?"));
   own.entry["exact"]["mean"].erase("sorce");
   own.entry["expected"]["net-owen"] = {{"constnat", -1}, {"source", "x"}};
-  CHECK_THAT(own.refusal(), Contains("at '/expected/net-owen/constnat'") && Contains("did you mean 'constant'?"));
+  CHECK_THAT(own.refusal(),
+             Contains("at '/expected/net-owen/constnat'") && Contains("did you mean 'constant'?"));
   own.entry.erase("expected");
   CHECK(own.refusal().empty());
 }
 
-TEST_CASE("a value of the wrong kind names its JSON pointer, what was found and the schema", "[unit]") {
+TEST_CASE("a value of the wrong kind names its JSON pointer, what was found and the schema",
+          "[unit]") {
   OwnPair own;
   own.entry["parameters"][0]["max"] = "ten";
-  CHECK_THAT(own.refusal(), Contains("at '/parameters/0/max'") && Contains("found \"ten\"") && Contains("integrand.schema.json"));
+  CHECK_THAT(own.refusal(), Contains("at '/parameters/0/max'") && Contains("found \"ten\"") &&
+                                Contains("integrand.schema.json"));
   own.entry["parameters"][0]["max"] = 10;
   own.entry.erase("dimensions");
   CHECK_THAT(own.refusal(), Contains(own.json_path) && Contains("dimensions"));
@@ -202,21 +225,27 @@ TEST_CASE("unknown classes and transforms are told with the nearest spelling", "
   OwnPair own;
   const Json good = own.entry;
   own.entry["class"] = "smoth";
-  CHECK_THAT(own.refusal(), Contains("at '/class'") && Contains("unknown class 'smoth'") && Contains("did you mean 'smooth'?"));
+  CHECK_THAT(own.refusal(), Contains("at '/class'") && Contains("unknown class 'smoth'") &&
+                                Contains("did you mean 'smooth'?"));
   own.entry = good;
   own.entry["transforms"] = {"nromal"};
-  CHECK_THAT(own.refusal(), Contains("at '/transforms'") && Contains("unknown transform 'nromal'") && Contains("did you mean 'normal'?"));
+  CHECK_THAT(own.refusal(), Contains("at '/transforms'") &&
+                                Contains("unknown transform 'nromal'") &&
+                                Contains("did you mean 'normal'?"));
 }
 
 TEST_CASE("a name that exists already is refused, and says where it is defined", "[unit]") {
   OwnPair own;
   for (const Integrand& f : test::catalog().integrands) {
     own.entry["name"] = f.name;
-    CHECK_THAT(own.refusal(), Contains("at '/name'") && Contains("'" + f.name + "' exists already") && Contains(f.code.path));
+    CHECK_THAT(own.refusal(), Contains("at '/name'") &&
+                                  Contains("'" + f.name + "' exists already") &&
+                                  Contains(f.code.path));
   }
   own.entry["name"] = "my-own";
   own.save();
-  CHECK_THROWS_WITH(load_catalog({own.json_path, own.json_path}), Contains("'my-own' exists already"));
+  CHECK_THROWS_WITH(load_catalog({own.json_path, own.json_path}),
+                    Contains("'my-own' exists already"));
 }
 
 TEST_CASE("defaults outside their ranges and parameters that clash are refused", "[unit]") {
@@ -234,28 +263,39 @@ TEST_CASE("defaults outside their ranges and parameters that clash are refused",
   CHECK_THAT(own.refusal(), Contains("at '/parameters/1/name'") && Contains("d is the dimension"));
 }
 
-TEST_CASE("lookups of unknown names say where they came from, suggest the nearest and list what there is", "[unit]") {
+TEST_CASE(
+    "lookups of unknown names say where they came from, suggest the nearest and list what there is",
+    "[unit]") {
   const Catalog& catalog = test::catalog();
-  CHECK_THROWS_WITH(catalog.sampler("sobol-own", "--sampler"), Contains("--sampler: unknown sampler 'sobol-own'") && Contains("did you mean 'sobol-owen'?") && Contains("random"));
-  CHECK_THROWS_WITH(catalog.integrand("kiester", "here"), Contains("here: unknown integrand 'kiester'") && Contains("did you mean 'keister'?"));
+  CHECK_THROWS_WITH(catalog.sampler("sobol-own", "--sampler"),
+                    Contains("--sampler: unknown sampler 'sobol-own'") &&
+                        Contains("did you mean 'sobol-owen'?") && Contains("random"));
+  CHECK_THROWS_WITH(
+      catalog.integrand("kiester", "here"),
+      Contains("here: unknown integrand 'kiester'") && Contains("did you mean 'keister'?"));
   CHECK_THROWS_WITH(catalog.sum("kahn", "--sum"), Contains("did you mean 'kahan'?"));
   CHECK_THROWS_WITH(catalog.estimator("rqcm", "--estimator"), Contains("did you mean 'rqmc'?"));
   // Nothing is near: no suggestion, but the list.
-  CHECK_THROWS_WITH(catalog.sampler("zzzzzzzzzzzzzzzz", "x"), !Contains("did you mean") && Contains("known: "));
+  CHECK_THROWS_WITH(catalog.sampler("zzzzzzzzzzzzzzzz", "x"),
+                    !Contains("did you mean") && Contains("known: "));
 }
 
-TEST_CASE("no C++ file of the harness writes the name of a sampler, an integrand, a transform or a sum", "[unit]") {
+TEST_CASE("no C++ file of the harness writes the name of a sampler, an integrand or a sum",
+          "[unit]") {
   const auto names = names_of_the_catalog();
   REQUIRE(names.size() > 20);
   // The scan sees what it must and leaves what it may.
-  const auto found = string_literals("// \"keister\"\n#include \"random\"\nf(\"one of keister, x\", '\"', R\"(lattice)\"); g(\"sobol-owens\");");
+  const auto found = string_literals(
+      "// \"keister\"\n#include \"random\"\nf(\"one of keister, x\", '\"', R\"(lattice)\"); "
+      "g(\"sobol-owens\");");
   REQUIRE(found == std::vector<std::string>{"one of keister, x", "lattice", "sobol-owens"});
   CHECK(name_in(found[0], names) == "keister");
   CHECK(name_in(found[1], names) == "lattice");
   CHECK(name_in(found[2], names).empty());
 
   std::size_t files = 0;
-  for (const auto& file : fs::recursive_directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / "harness")) {
+  for (const auto& file :
+       fs::recursive_directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / "harness")) {
     if (file.path().extension() != ".cpp" && file.path().extension() != ".hpp") continue;
     ++files;
     for (const std::string& literal : string_literals(read_text_file(file.path().string()))) {

@@ -1,13 +1,16 @@
-// What is on disk: the journal gives back what was finished and nothing else, files appear whole or not at all, and no
-// number that JSON cannot hold gets into it.
+// What is on disk: the journal gives back what was finished and nothing else, files appear whole or
+// not at all, and no number that JSON cannot hold gets into it.
+#include "journal/journal.hpp"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
+#include <set>
 
 #include "error/error.hpp"
 #include "journal/cell_json.hpp"
-#include "journal/journal.hpp"
 #include "report/results.hpp"
 #include "tests/support.hpp"
 
@@ -20,10 +23,13 @@ namespace fs = std::filesystem;
 
 const Json kContext = {{"device", "x"}, {"revision", "1"}};
 
-Json identity(int k) { return cell_identity(test::cell("linear-prod:d=" + std::to_string(k), "random", 64)); }
+Json identity(int k) {
+  return cell_identity(test::cell("linear-prod:d=" + std::to_string(k), "random", 64));
+}
 
 std::size_t files_in(const test::TemporaryFolder& folder) {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder.path("")), fs::directory_iterator{}));
+  return static_cast<std::size_t>(
+      std::distance(fs::directory_iterator(folder.path("")), fs::directory_iterator{}));
 }
 
 // A results file of one cell that was refused, as `koksma run` writes it.
@@ -36,7 +42,8 @@ Json results_of_a_refused_cell(CellStatus status, const std::string& reason) {
   DeviceFacts facts;
   Study study;
   study.verbatim = Json::object();
-  return make_results(make_context(facts, study, "koksma run"), Json::array({cell_to_json(test::catalog(), result, nullptr)}));
+  return make_results(make_context(facts, study, "koksma run"),
+                      Json::array({cell_to_json(test::catalog(), result, nullptr)}));
 }
 
 }  // namespace
@@ -81,8 +88,11 @@ TEST_CASE("any change to a cell makes it another cell", "[unit]") {
     change(other);
     return seen.insert(cell_identity(other).dump()).second;
   };
-  CHECK(differs([](Cell& c) { c.scene = parse_scene(test::catalog(), "linear-prod:d=4", "test"); }));
-  CHECK(differs([](Cell& c) { c.scene = parse_scene(test::catalog(), "linear-prod:d=3,scale=0.3", "test"); }));
+  CHECK(
+      differs([](Cell& c) { c.scene = parse_scene(test::catalog(), "linear-prod:d=4", "test"); }));
+  CHECK(differs([](Cell& c) {
+    c.scene = parse_scene(test::catalog(), "linear-prod:d=3,scale=0.3", "test");
+  }));
   CHECK(differs([](Cell& c) { c.sampler = "sobol-shift"; }));
   CHECK(differs([](Cell& c) { c.estimator = "qmc"; }));
   CHECK(differs([](Cell& c) { c.precision = Precision::fp32; }));
@@ -133,7 +143,10 @@ TEST_CASE("a last line that was cut off anywhere loses that cell alone", "[unit]
 TEST_CASE("rubbish in a journal is passed over", "[unit]") {
   const test::TemporaryFolder folder;
   const std::string header = Json{{"context", kContext}}.dump() + "\n";
-  folder.write("r.json.journal.jsonl", std::string("\x00\xff{]\n", 5) + header + "5\n[]\nnull\n{\"identity\":1}\n{\"cell\":1}\n\n" + Json{{"identity", identity(1)}, {"cell", 7}}.dump() + "\n");
+  folder.write("r.json.journal.jsonl", std::string("\x00\xff{]\n", 5) + header +
+                                           "5\n[]\nnull\n{\"identity\":1}\n{\"cell\":1}\n\n" +
+                                           Json{{"identity", identity(1)}, {"cell", 7}}.dump() +
+                                           "\n");
   const Journal journal(folder.path("r.json"), kContext, true);
   CHECK(journal.taken_over() == 1);
   CHECK(journal.finished(identity(1)) == Json(7));
@@ -150,16 +163,20 @@ TEST_CASE("a removed journal leaves nothing", "[unit]") {
 TEST_CASE("a journal that cannot be written is the user's mistake and names the path", "[unit]") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_AS(Journal(folder.path("none/r.json"), kContext, false), InputError);
-  CHECK_THROWS_WITH(Journal(folder.path("none/r.json"), kContext, false), Contains(folder.path("none/r.json")) && Contains("cannot write: No such file or directory"));
+  CHECK_THROWS_WITH(
+      Journal(folder.path("none/r.json"), kContext, false),
+      Contains(folder.path("none/r.json")) && Contains("cannot write: No such file or directory"));
 }
 
 TEST_CASE("a disk that takes no more is told when a cell is appended", "[unit]") {
   if (!fs::exists("/dev/full")) return;
   const test::TemporaryFolder folder;
-  // The journal is written to a temporary name and renamed; from then on its path leads to the full device.
+  // The journal is written to a temporary name and renamed; from then on its path leads to the full
+  // device.
   const std::string out = folder.path("r.json");
   fs::create_symlink("/dev/full", out + ".new");
-  CHECK_THROWS_WITH(write_file_atomically(out, "text"), Contains(out) && Contains("No space left on device"));
+  CHECK_THROWS_WITH(write_file_atomically(out, "text"),
+                    Contains(out) && Contains("No space left on device"));
   CHECK_FALSE(fs::exists(out));
 }
 
@@ -173,8 +190,10 @@ TEST_CASE("a file is written whole or not at all, and no temporary file stays", 
   CHECK(files_in(folder) == 1);
 
   fs::create_directory(folder.path("taken"));
-  CHECK_THROWS_WITH(write_file_atomically(folder.path("taken"), "x"), Contains(folder.path("taken")) && Contains("cannot write"));
-  CHECK_THROWS_WITH(write_file_atomically(folder.path("none/r.json"), "x"), Contains("No such file or directory"));
+  CHECK_THROWS_WITH(write_file_atomically(folder.path("taken"), "x"),
+                    Contains(folder.path("taken")) && Contains("cannot write"));
+  CHECK_THROWS_WITH(write_file_atomically(folder.path("none/r.json"), "x"),
+                    Contains("No such file or directory"));
   CHECK(files_in(folder) == 2);
   // A write that fails keeps the earlier file.
   fs::create_directory(path + ".new");
@@ -202,12 +221,14 @@ TEST_CASE("asking whether a path can be written changes nothing", "[unit]") {
   CHECK(read_text_file(path) == "kept");
   CHECK(files_in(folder) == 1);
   CHECK_THROWS_WITH(check_writable(folder.path("")), Contains("it is a folder"));
-  CHECK_THROWS_WITH(check_writable(folder.path("none/r.json")), Contains("No such file or directory"));
+  CHECK_THROWS_WITH(check_writable(folder.path("none/r.json")),
+                    Contains("No such file or directory"));
 }
 
 TEST_CASE("numbers that JSON cannot hold are null", "[unit]") {
   using Limits = std::numeric_limits<double>;
-  for (const double bad : {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity()}) CHECK(number_or_null(bad).is_null());
+  for (const double bad : {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity()})
+    CHECK(number_or_null(bad).is_null());
   CHECK(number_or_null(std::nullopt).is_null());
   for (const double good : {0.0, -1.5, Limits::max(), Limits::denorm_min()}) {
     const Json json = number_or_null(good);
@@ -217,7 +238,8 @@ TEST_CASE("numbers that JSON cannot hold are null", "[unit]") {
 }
 
 TEST_CASE("a cell that did not run is a valid row with its status and reason", "[unit]") {
-  for (const CellStatus status : {CellStatus::unsupported, CellStatus::failed, CellStatus::skipped}) {
+  for (const CellStatus status :
+       {CellStatus::unsupported, CellStatus::failed, CellStatus::skipped}) {
     const Json results = results_of_a_refused_cell(status, "because");
     check_schema(results, "results/results.schema.json", "test");
     CHECK(results["cells"][0]["status"] == std::string(status_name(status)));

@@ -41,10 +41,10 @@ void read_kernels(Catalog& catalog, const EmbeddedFile& file) {
   } else if (is_json_in(path, "kernels/sums/")) {
     const Json entry = checked_entry(path, file.text, "harness/catalog/sum.schema.json");
     catalog.sums.push_back(read_sum(entry, embedded_code_beside(path)));
-  } else if (is_json_in(path, "kernels/transforms/")) {
+  } else if (is_json_in(path, "kernels/transforms/") || is_json_in(path, "kernels/filters/")) {
     const Json entry = checked_entry(path, file.text, "harness/catalog/transform.schema.json");
-    catalog.transforms.push_back(
-        {entry["name"], entry["title"], entry["citation"], embedded_code_beside(path)});
+    auto& list = path.starts_with("kernels/filters/") ? catalog.filters : catalog.transforms;
+    list.push_back({entry["name"], entry["title"], entry["citation"], embedded_code_beside(path)});
   }
 }
 
@@ -97,8 +97,8 @@ Catalog load_catalog(const std::vector<std::string>& integrand_files) {
   }
   for (const std::string& path : integrand_files) {
     const std::string code_path = std::filesystem::path(path).replace_extension(".cl").string();
-    add_integrand(catalog, classes, path, read_text_file(path),
-                  {code_path, read_text_file(code_path)});
+    const std::string entry = read_text_file(path);
+    add_integrand(catalog, classes, path, entry, {code_path, read_text_file(code_path)});
   }
   return catalog;
 }

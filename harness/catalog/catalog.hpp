@@ -101,6 +101,7 @@ struct Catalog {
   std::vector<Sampler> samplers;
   std::vector<Integrand> integrands;
   std::vector<Transform> transforms;
+  std::vector<Transform> filters;  // reconstruction filters: entries like those of transforms
   std::vector<SumAlgorithm> sums;
   std::vector<Estimator> estimators;
 

@@ -101,6 +101,7 @@ Json list_all_devices() {
 }
 
 void print_list(const Json& list) {
+  if (list.empty()) fmt::print("none in this version\n");
   std::size_t width = 0;
   for (const Json& entry : list) width = std::max(width, entry["name"].get<std::string>().size());
   for (const Json& entry : list) {
@@ -127,6 +128,7 @@ int list(const ListOptions& options) {
       {"samplers", [&] { return list_samplers(catalog); }},
       {"estimators", [&] { return list_titled(catalog.estimators); }},
       {"sums", [&] { return list_titled(catalog.sums); }},
+      {"filters", [&] { return list_titled(catalog.filters); }},
       {"devices", [] { return list_all_devices(); }},
   };
   const auto found = kinds.find(options.kind);
@@ -148,9 +150,9 @@ int list(const ListOptions& options) {
 void add_list(CLI::App& app, Action& action) {
   auto options = std::make_shared<ListOptions>();
   CLI::App* verb = app.add_subcommand(
-      "list", "What there is: scenes, integrands, samplers, estimators, sums, devices");
+      "list", "What there is: scenes, integrands, samplers, estimators, sums, filters, devices");
   verb->add_option("kind", options->kind,
-                   "scenes, integrands, samplers, estimators, sums or devices")
+                   "scenes, integrands, samplers, estimators, sums, filters or devices")
       ->required();
   verb->add_option("--integrand", options->integrands,
                    "an integrand of your own to list too; repeatable")

@@ -72,6 +72,10 @@ int main(int argc, char** argv) {
   } catch (const koksma::InputError& error) {
     fmt::print(stderr, "koksma: {}\n", error.what());
     return koksma::kBadInput;
+  } catch (const koksma::UnsupportedError&
+               error) {  // a study has rows for it, a single request does not
+    fmt::print(stderr, "koksma: {}\n", error.what());
+    return koksma::kBadInput;
   } catch (const koksma::NoDeviceError& error) {
     fmt::print(stderr, "koksma: {}\n", error.what());
     return koksma::kNoDevice;

@@ -43,13 +43,14 @@ std::optional<double> resolve(const ExactSource& source, double computed,
 
 }  // namespace
 
-ExactValues compute_exact(Device& device, const Integrand& f, const Scene& scene) {
+ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene) {
   ExactValues result;
   std::array<double, 3> out{};
-  const bool computes = f.mean.kind == Kind::formula || f.variance.kind == Kind::formula ||
-                        f.mean_abs.kind == Kind::formula;
-  if (computes || !f.coefficients.empty()) {
-    const BuiltProgram built = device.build(exact_program(f));
+  const bool computes = integrand.mean.kind == Kind::formula ||
+                        integrand.variance.kind == Kind::formula ||
+                        integrand.mean_abs.kind == Kind::formula;
+  if (computes || !integrand.coefficients.empty()) {
+    const BuiltProgram built = device.build(exact_program(integrand));
     checked([&] {
       const cl::Buffer values =
           device.upload(scene.parameters.data(), scene.parameters.size() * sizeof(double));
@@ -63,8 +64,8 @@ ExactValues compute_exact(Device& device, const Integrand& f, const Scene& scene
         queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
         queue.enqueueReadBuffer(buffer, CL_TRUE, 0, sizeof(out), out.data());
       }
-      if (!f.coefficients.empty()) {
-        result.coefficients.resize(std::size_t{scene.dim} * f.coefficients.size());
+      if (!integrand.coefficients.empty()) {
+        result.coefficients.resize(std::size_t{scene.dim} * integrand.coefficients.size());
         const cl::Buffer buffer = device.allocate(result.coefficients.size() * sizeof(double));
         cl::Kernel kernel(built.program, "setup_coefficients");
         kernel.setArg(0, values);
@@ -76,9 +77,9 @@ ExactValues compute_exact(Device& device, const Integrand& f, const Scene& scene
       }
     });
   }
-  result.mean = resolve(f.mean, out[0], std::nullopt, f, scene, "mean");
-  result.variance = resolve(f.variance, out[1], std::nullopt, f, scene, "variance");
-  result.mean_abs = resolve(f.mean_abs, out[2], result.mean, f, scene, "mean_abs");
+  result.mean = resolve(integrand.mean, out[0], std::nullopt, integrand, scene, "mean");
+  result.variance = resolve(integrand.variance, out[1], std::nullopt, integrand, scene, "variance");
+  result.mean_abs = resolve(integrand.mean_abs, out[2], result.mean, integrand, scene, "mean_abs");
   return result;
 }
 

@@ -84,18 +84,18 @@ ProgramSource inspect_program(const Catalog& catalog, const Plan& plan, bool wit
   return compose(catalog, plan, with_integrand ? ProgramKind::inspect_scene : ProgramKind::inspect);
 }
 
-ProgramSource exact_program(const Integrand& f) {
+ProgramSource exact_program(const Integrand& integrand) {
   std::string text = "#define KOKSMA_EXACT 1\n#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n";
   using Kind = ExactSource::Kind;
-  if (f.mean.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN 1\n";
-  if (f.variance.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIANCE 1\n";
-  if (f.mean_abs.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN_ABS 1\n";
-  if (!f.coefficients.empty())
-    text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", f.coefficients.size());
-  text += params_source(f, "double");
-  append_piece(text, f.code);
+  if (integrand.mean.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN 1\n";
+  if (integrand.variance.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIANCE 1\n";
+  if (integrand.mean_abs.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN_ABS 1\n";
+  if (!integrand.coefficients.empty())
+    text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", integrand.coefficients.size());
+  text += params_source(integrand, "double");
+  append_piece(text, integrand.code);
   append_embedded(text, "kernels/exact.cl");
-  return {fmt::format("the exact values of {}", f.name), std::move(text), kOptions};
+  return {fmt::format("the exact values of {}", integrand.name), std::move(text), kOptions};
 }
 
 }  // namespace koksma

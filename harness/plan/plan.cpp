@@ -41,6 +41,13 @@ const SumAlgorithm& choose_sum(const Catalog& catalog, const Cell& cell,
   return *best;
 }
 
+void set_precision(Plan& plan, Precision precision, const DeviceFacts& device) {
+  if (precision == Precision::fp64 && !device.fp64)
+    throw UnsupportedError(fmt::format("precision fp64 on {}, which lacks it", device.name));
+  plan.precision = precision;
+  plan.coordinate_bits = plan.fp64() ? 52 : 23;
+}
+
 void check_resolution(const Plan& plan) {
   if (plan.sampler->centred || plan.request.end_index <= std::uint64_t{1} << plan.coordinate_bits)
     return;
@@ -82,15 +89,13 @@ std::uint32_t log2_block_length(std::uint64_t n) {
 
 Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& device,
                const std::string& directions_file, const std::optional<LaunchShape>& shape) {
-  if (cell.precision == Precision::fp64 && !device.fp64)
-    throw UnsupportedError(fmt::format("precision fp64 on {}, which lacks it", device.name));
   Plan plan;
   plan.cell = cell;
   plan.integrand = &catalog.integrand(cell.scene.integrand, "scene");
   plan.sampler = &catalog.sampler(cell.sampler, "sampler");
   plan.estimator = &catalog.estimator(cell.estimator, "estimator");
-  plan.precision = cell.precision.value_or(device.fp64 ? Precision::fp64 : Precision::fp32);
-  plan.coordinate_bits = plan.fp64() ? 52 : 23;
+  set_precision(plan, cell.precision.value_or(device.fp64 ? Precision::fp64 : Precision::fp32),
+                device);
   plan.sum = &choose_sum(catalog, cell, device);
   plan.shape = shape.value_or(shape_for(device, cell.scene.dim, plan.fp64()));
   plan.request = {plan.sampler->options, cell.scene.dim, plan.fp64(),    cell.n.back(),
@@ -107,8 +112,7 @@ Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::u
                       const std::string& directions_file, const std::optional<LaunchShape>& shape) {
   Plan plan;
   plan.sampler = &catalog.sampler(sampler, "--sampler");
-  plan.precision = precision;
-  plan.coordinate_bits = plan.fp64() ? 52 : 23;
+  set_precision(plan, precision, device);
   plan.shape = shape.value_or(shape_for(device, dim, plan.fp64()));
   plan.request = {plan.sampler->options, dim, plan.fp64(), end_index, replicates, seed,
                   directions_file};

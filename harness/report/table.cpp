@@ -111,7 +111,7 @@ Progress::Progress(std::FILE* stream, std::size_t total, bool quiet)
 void Progress::draw(const std::string& text) {
   constexpr std::size_t kWidth = 30;
   const std::size_t filled = total_ == 0 ? kWidth : done_ * kWidth / total_;
-  std::string left = "";
+  std::string left;
   if (done_ > 0) {
     const double spent =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

@@ -2,10 +2,12 @@
 
 #ifdef __AVX2__
 #include <immintrin.h>
+#include <sched.h>
 
-#include <algorithm>
 #include <atomic>
+#include <barrier>
 #include <chrono>
+#include <functional>
 #include <thread>
 #endif
 
@@ -15,14 +17,15 @@ namespace {
 
 constexpr std::uint32_t kLanes = 16;
 
-// One register of coordinates in each precision. A pass over a block takes kRegisters of them side by side; both
-// numbers of registers were the fastest of those possible (2026, Sapphire Rapids and Zen 3).
+// One register of coordinates in each precision. A pass over a block takes one register of lanes,
+// so that eight states fit the sixteen registers of AVX2; two or four side by side were no faster
+// on a processor with thirty-two.
 struct Fp32 {
   using Word = std::uint32_t;
   using Scalar = float;
   using Real = __m256;
   using Bits = __m256i;
-  static constexpr std::uint32_t kWidth = 8, kRegisters = KOKSMA_REG32;
+  static constexpr std::uint32_t kWidth = 8;
   struct Sum {
     __m256d low = _mm256_setzero_pd(), high = _mm256_setzero_pd();
   };
@@ -49,7 +52,7 @@ struct Fp64 {
   using Scalar = double;
   using Real = __m256d;
   using Bits = __m256i;
-  static constexpr std::uint32_t kWidth = 4, kRegisters = KOKSMA_REG64;
+  static constexpr std::uint32_t kWidth = 4;
   struct Sum {
     __m256d total = _mm256_setzero_pd();
   };
@@ -70,9 +73,9 @@ struct Digital {
   using Word = typename P::Word;
   using Real = typename P::Real;
   using Bits = typename P::Bits;
-  // One pass: bits of floats in [1,2). Plain arrays: GCC drops the alignment of vectors in std::array.
+  // Bits of floats in [1,2). Plain arrays: GCC drops the alignment of vectors in std::array.
   struct States {
-    Bits at[kLimitDim][P::kRegisters];
+    Bits at[kLimitDim];
   };
 
   const Word* table;
@@ -80,27 +83,27 @@ struct Digital {
   Real origin;  // 1, or the float before it
 
   explicit Digital(const LimitWork& work)
-      : table(static_cast<const Word*>(work.table)), origin(P::broadcast(work.centred ? P::kCentre : 1)) {
-    for (std::uint32_t d = 0; d < kLimitDim; ++d) c[d] = P::broadcast(static_cast<typename P::Scalar>(work.coefficients[d]));
+      : table(static_cast<const Word*>(work.table)),
+        origin(P::broadcast(work.centred ? P::kCentre : 1)) {
+    for (std::uint32_t d = 0; d < kLimitDim; ++d)
+      c[d] = P::broadcast(static_cast<typename P::Scalar>(work.coefficients[d]));
   }
 
   const Word* section(std::uint32_t slot, std::uint32_t replicate) const {
     return table + table[slot] + replicate * table[0];
   }
 
-  // Every register of a dimension moves by the same word.
+  // All lanes of a dimension move by the same word.
   static void flip(States& states, const Word* words) {
     for (std::uint32_t d = 0; d < kLimitDim; ++d)
-      for (std::uint32_t r = 0; r < P::kRegisters; ++r)
-        states.at[d][r] = _mm256_xor_si256(states.at[d][r], P::broadcast_word(words[d]));
+      states.at[d] = _mm256_xor_si256(states.at[d], P::broadcast_word(words[d]));
   }
 
   States seek(std::uint64_t first, std::uint32_t replicate, std::uint32_t lane) const {
     States states;
     const Word* lanes = section(4, replicate) + lane;
     for (std::uint32_t d = 0; d < kLimitDim; ++d)
-      for (std::uint32_t r = 0; r < P::kRegisters; ++r)
-        states.at[d][r] = _mm256_loadu_si256(reinterpret_cast<const Bits*>(lanes + d * kLanes + r * P::kWidth));
+      states.at[d] = _mm256_loadu_si256(reinterpret_cast<const Bits*>(lanes + d * kLanes));
     flip(states, table + table[5] + replicate * table[1]);
     const std::uint64_t gray = first ^ first >> 1;
     for (std::uint32_t k = 3; gray >> k != 0; ++k)
@@ -108,56 +111,117 @@ struct Digital {
     return states;
   }
 
-  Real integrand(const States& states, std::uint32_t r) const {
+  Real integrand(const States& states) const {
     const Real one = P::broadcast(1), half = P::broadcast(0.5F);
     Real product = one;
     for (std::uint32_t d = 0; d < kLimitDim; ++d) {
-      const Real x = P::subtract(P::as_real(states.at[d][r]), origin);
+      const Real x = P::subtract(P::as_real(states.at[d]), origin);
       const Real factor = P::multiply_add(P::subtract(x, half), c[d], one);
       product = d == 0 ? factor : P::multiply(product, factor);
     }
     return product;
   }
 
-  // One block of one replicate, kWidth * kRegisters lanes at a time.
-  void run_block(const LimitWork& work, std::uint64_t block, std::uint32_t replicate, double* out) const {
+  // One block of one replicate, kWidth lanes at a time.
+  void run_block(const LimitWork& work, std::uint64_t block, std::uint32_t replicate,
+                 double* out) const {
     const std::uint64_t first = block << work.log2_block;
-    const auto end = static_cast<std::uint32_t>(((first >> work.log2_block) + 1) << (work.log2_block - 4));
+    // Index / 16 at the end of the block; its low half is enough to count trailing zeros by.
+    const auto end = static_cast<std::uint32_t>((block + 1) << (work.log2_block - 4));
     const Word* steps = section(3, replicate);
-    for (std::uint32_t lane = 0; lane < kLanes; lane += P::kWidth * P::kRegisters) {
+    for (std::uint32_t lane = 0; lane < kLanes; lane += P::kWidth) {
       States states = seek(first, replicate, lane);
-      typename P::Sum sums[P::kRegisters];
+      typename P::Sum sum;
       for (auto j = static_cast<std::uint32_t>(first >> 4);;) {
-        for (std::uint32_t r = 0; r < P::kRegisters; ++r) P::add(sums[r], integrand(states, r));
+        P::add(sum, integrand(states));
         if (++j == end) break;
         flip(states, steps + static_cast<std::size_t>(__builtin_ctz(j)) * kLimitDim);
       }
-      for (std::uint32_t r = 0; r < P::kRegisters; ++r) P::store(sums[r], out + lane + r * P::kWidth);
+      P::store(sum, out + lane);
     }
   }
 };
+
+// One thread on each processor for the life of the program, as an OpenCL implementation keeps them.
+// Pinned: on a busy machine threads left alone can share one processor for seconds.
+class Crew {
+ public:
+  Crew()
+      : processors_(allowed_processors()),
+        gate_(static_cast<std::ptrdiff_t>(processors_.size()) + 1) {
+    for (const int processor : processors_)
+      threads_.emplace_back([this, processor] { serve(processor); });
+  }
+  ~Crew() {
+    stop_ = true;
+    gate_.arrive_and_wait();
+    for (std::thread& thread : threads_) thread.join();
+  }
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  // Runs `work` once on every thread.
+  void run(const std::function<void()>& work) {
+    work_ = &work;
+    gate_.arrive_and_wait();
+    gate_.arrive_and_wait();
+  }
+
+ private:
+  static std::vector<int> allowed_processors() {
+    cpu_set_t allowed;
+    CPU_ZERO(&allowed);
+    std::vector<int> processors;
+    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0)
+      for (int i = 0; i < CPU_SETSIZE; ++i)
+        if (CPU_ISSET(i, &allowed)) processors.push_back(i);
+    return processors;
+  }
+  void serve(int processor) {
+    cpu_set_t own;
+    CPU_ZERO(&own);
+    CPU_SET(processor, &own);
+    sched_setaffinity(0, sizeof own, &own);
+    while (true) {
+      gate_.arrive_and_wait();
+      if (stop_) return;
+      (*work_)();
+      gate_.arrive_and_wait();
+    }
+  }
+
+  std::vector<int> processors_;
+  std::barrier<> gate_;  // passed at the start and at the end of every run
+  const std::function<void()>* work_ = nullptr;
+  bool stop_ = false;
+  std::vector<std::thread> threads_;
+};
+
+Crew& crew() {
+  static Crew every_processor;
+  return every_processor;
+}
 
 template <typename P>
 double run_digital(const LimitWork& work, std::vector<double>& partials) {
   const std::uint64_t blocks = work.n >> work.log2_block, units = blocks * work.replicates;
   partials.resize(units * kLanes);
+  const Digital<P> digital(work);
   std::atomic<std::uint64_t> next{0};
-  const auto worker = [&] {
-    const Digital<P> digital(work);
-    for (std::uint64_t unit = next++; unit < units; unit = next++)
-      digital.run_block(work, unit % blocks, static_cast<std::uint32_t>(unit / blocks), &partials[unit * kLanes]);
-  };
   const auto start = std::chrono::steady_clock::now();
-  std::vector<std::thread> others;
-  for (unsigned i = 1; i < std::max(std::thread::hardware_concurrency(), 1U); ++i) others.emplace_back(worker);
-  worker();
-  for (std::thread& other : others) other.join();
+  crew().run([&] {
+    for (std::uint64_t unit = next++; unit < units; unit = next++)
+      digital.run_block(work, unit % blocks, static_cast<std::uint32_t>(unit / blocks),
+                        &partials[unit * kLanes]);
+  });
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace
 
-bool has_avx2() { return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0; }
+bool has_avx2() {
+  return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
+}
 
 double run_digital_limit(const LimitWork& work, std::vector<double>& partials) {
   return work.fp64 ? run_digital<Fp64>(work, partials) : run_digital<Fp32>(work, partials);

@@ -39,8 +39,8 @@ Subject::Subject(const SubjectSpec& spec)
 
 double Subject::run(std::uint64_t n) {
   double sum = 0;
-  const double seconds =
-      integrator_.run(n, 0, [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
+  const double seconds = integrator_.run(
+      n, 0, [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
         // Later words hold corrections and squares.
         if (word == 0) sum = std::accumulate(partials.begin(), partials.end(), sum);
         if (after_launch_) after_launch_();

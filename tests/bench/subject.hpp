@@ -1,4 +1,5 @@
-// The harness's own kernels as the benchmark runs them: one cell of one size, built, uploaded and warmed up.
+// The harness's own kernels as the benchmark runs them: one cell of one size, built, uploaded and
+// warmed up.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +33,8 @@ class Subject {
   Subject(const Subject&) = delete;
   Subject& operator=(const Subject&) = delete;
 
-  // Sums the first n samples of every replicate; returns the seconds of the kernels by the device's clock.
+  // Sums the first n samples of every replicate; returns the seconds of the kernels by the device's
+  // clock.
   double run(std::uint64_t n);
   // The mean over all samples of the last run.
   double mean() const { return mean_; }
