@@ -152,3 +152,22 @@ TEST_CASE("explain prints the kernel that runs and what was left out and why", "
     CHECK((result.output.find("#line 1 \"" + f.code.path + "\"") != std::string::npos) ==
           (f.name == "linear-prod"));
 }
+
+TEST_CASE("a deterministic net is refused where fp32 cannot tell its points apart", "[device]") {
+  const koksma::test::TemporaryFolder folder;
+  const CommandResult points =
+      run_command("points --sampler sobol --dim 2 --n 16 --start 8388608 --precision fp32 --out " +
+                  folder.path("x.csv"));
+  CHECK(points.status == 2);
+  CHECK_THAT(points.output, Contains("exact to 23 bits in fp32"));
+  const CommandResult run = run_command(
+      "run --scene linear-prod:d=1 --sampler sobol --sampler sobol-shift --precision fp32 "
+      "--n 2^24 --replicates 2 --quiet --out " +
+      folder.path("r.json"));
+  CHECK(run.status == 0);
+  const Json cells = Json::parse(read_text_file(folder.path("r.json")))["cells"];
+  CHECK(cells[0]["status"] == "unsupported");
+  CHECK_THAT(cells[0]["reason"].get<std::string>(), Contains("would repeat points"));
+  CHECK(cells[1]["status"] == "ok");
+  CHECK(cells[1]["rows"][0]["grid_limited"] == true);
+}

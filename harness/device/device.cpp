@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <cstdlib>
 #include <optional>
 
 namespace koksma {
@@ -59,7 +60,12 @@ struct Candidate {
   DeviceFacts facts;
 };
 
+// Unpinned, PoCL's threads may share one core of a busy machine for seconds, and times double
+// (measured). A setting of the user's stands.
+void pin_pocl_threads() { setenv("POCL_AFFINITY", "1", 0); }
+
 std::vector<Candidate> candidates() {
+  pin_pocl_threads();
   std::vector<Candidate> found;
   const auto all = platforms();
   for (std::size_t p = 0; p < all.size(); ++p) {

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdlib>
 #include <ctime>
 
 #include "journal/journal.hpp"
@@ -41,6 +42,9 @@ Json make_context(const DeviceFacts& device, const Study& study, const std::stri
                        {"platform", device.platform}, {"driver", device.driver},
                        {"version", device.version},   {"cpu", device.is_cpu},
                        {"fp64", device.fp64},         {"compute_units", device.compute_units}};
+  context["environment"] = Json::object();
+  for (const char* name : {"POCL_AFFINITY", "POCL_MAX_PTHREAD_COUNT", "OCL_ICD_VENDORS"})
+    if (const char* value = std::getenv(name)) context["environment"][name] = value;
   context["seed"] = study.seed;
   context["study"] = study.verbatim;
   return context;
@@ -48,7 +52,7 @@ Json make_context(const DeviceFacts& device, const Study& study, const std::stri
 
 Json resume_context(const Json& context) {
   Json result;
-  for (const char* key : {"version", "revision", "build_type", "compiler", "device"})
+  for (const char* key : {"version", "revision", "build_type", "compiler", "device", "environment"})
     result[key] = context[key];
   return result;
 }

@@ -10,6 +10,7 @@ static double exact_variance(params q, uint d) { return expm1(-1.0) * expm1(-1.0
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real sum = R(0.0);
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) sum += normal_quantile(points_next(p));
   return cospi(c[0] * sum);
 }

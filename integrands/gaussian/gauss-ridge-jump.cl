@@ -11,6 +11,7 @@ static double exact_variance(params q, uint d) {
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real sum = R(0.0);
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) sum += normal_quantile(points_next(p));
   return select_real(sum > (real)c[0], R(1.0), R(0.0));
 }

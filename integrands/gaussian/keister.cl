@@ -55,6 +55,7 @@ static double exact_variance(params q, uint d) {
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real sum = R(0.0);
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) {
     const real z = normal_quantile(points_next(p));
     sum = fma(z, z, sum);

@@ -62,6 +62,7 @@ static double exact_variance(params q, uint d) {
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real sum = R(0.0);
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) sum = fma((real)c[2 * j], fabs(points_next(p) - c[2 * j + 1]), sum);
   return exp(-sum);
 }

@@ -44,6 +44,7 @@ static double exact_variance(params q, uint d) {
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real sum = R(1.0);
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) sum = fma((real)c[j], points_next(p), sum);
   // Powers of the reciprocal: small results underflow gradually instead of passing through infinity.
   real square = R(1.0) / sum, power = R(1.0);

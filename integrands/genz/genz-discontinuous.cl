@@ -54,6 +54,7 @@ static inline real integrand(points *p, params q, coefficients c) {
   real x = points_next(p);
   real sum = c[0] * x;
   real inside = select_real(x <= (real)q.u1, R(1.0), R(0.0));
+  KOKSMA_UNROLL
   for (uint j = 1; j < KOKSMA_DIM; ++j) {
     x = points_next(p);
     sum = fma((real)c[j], x, sum);

@@ -60,6 +60,7 @@ static double exact_variance(params q, uint d) {
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real phase = R(2.0) * q.w;
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) phase = fma((real)c[j], points_next(p), phase);
   return cospi(phase);
 }

@@ -63,6 +63,7 @@ static double exact_variance(params q, uint d) {
 // One division for the whole product: at h <= 100 the denominators stay below 1e36.
 static inline real integrand(points *p, params q, coefficients c) {
   real product = R(1.0);
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) {
     const real t = c[2 * j] * (points_next(p) - c[2 * j + 1]);
     product *= fma(t, t, R(1.0));

@@ -32,6 +32,7 @@ static double exact_variance(params q, uint d) { return smaller_side(q, d) * (1 
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real sum = R(0.0);
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) sum += points_next(p);
   return select_real(sum <= (real)q.t, R(1.0), R(0.0));
 }

@@ -20,6 +20,7 @@ static double exact_variance(params q, uint d) {
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real product = R(1.0);
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) product *= R(1.0) + c[j] * (points_next(p) - R(0.5));
   return product;
 }

@@ -35,6 +35,7 @@ static double exact_mean_abs(params q, uint d) {
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real product = R(1.0);
+  KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j)
     product *= fma((real)c[2 * j], fabs(points_next(p) - R(0.5)), (real)c[2 * j + 1]);
   return product;

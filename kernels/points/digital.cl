@@ -31,12 +31,14 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
 #endif
   p->j = (uint)(first >> 4);
   p->dim = 0;
+  KOKSMA_UNROLL
   for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] = load_lanes(lanes + d * KOKSMA_LANES) ^ starts[d];
   // first is a multiple of 16: the bits of gray(first) below the third belong to the lanes.
   const ulong gray = first ^ first >> 1;
   for (uint k = 3; gray >> k != 0; ++k) {
     if ((gray >> k & 1) == 0) continue;
     __global const word *column = columns + k * KOKSMA_DIM;
+    KOKSMA_UNROLL
     for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] ^= column[d];
   }
 }
@@ -80,6 +82,7 @@ static inline real points_next(points *p) { return unit_from_mantissa(p->state[p
 
 static inline void points_step(points *p) {
   __global const word *step = p->steps + trailing_zeros(++p->j) * KOKSMA_DIM;
+  KOKSMA_UNROLL
   for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] ^= step[d];
   p->dim = 0;
 }

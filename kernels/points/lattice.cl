@@ -25,11 +25,13 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
   p->j = (uint)(first >> 4);
   p->upper = lane >> 3;
   p->dim = 0;
+  KOKSMA_UNROLL
   for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] = load_lanes(lanes + d * KOKSMA_LANES) + starts[d];
   const ulong gray = first ^ first >> 1;
   for (uint k = 4; gray >> k != 0; ++k) {
     if ((gray >> k & 1) == 0) continue;
     __global const word *column = columns + k * KOKSMA_DIM;
+    KOKSMA_UNROLL
     for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] += column[d];
   }
 }
@@ -51,10 +53,12 @@ static inline void points_step(points *p) {
   __global const word *step = p->steps + (c * 2 + comes) * 2 * KOKSMA_DIM;
 #if KOKSMA_LANES_PER_ITEM == 16
   typedef KOKSMA_PASTE(KOKSMA_WORD, 8) half_bits;
+  KOKSMA_UNROLL
   for (uint d = 0; d < KOKSMA_DIM; ++d)
     p->state[d] += (bits)((half_bits)(step[d]), (half_bits)(step[KOKSMA_DIM + d]));
 #else
   step += p->upper * KOKSMA_DIM;
+  KOKSMA_UNROLL
   for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] += step[d];
 #endif
   p->dim = 0;
