@@ -174,7 +174,7 @@ TEST_CASE("a user's entry without code, or code without entry, is told by its pa
                     Contains(own.folder.path("mine.cl")) && Contains("cannot be read"));
   CHECK_THROWS_WITH(load_catalog({own.folder.path("none.json")}),
                     Contains(own.folder.path("none.json")) && Contains("cannot be read"));
-  CHECK_THROWS_WITH(load_catalog({own.folder.path("")}), Contains("cannot be read"));
+  CHECK_THROWS_WITH(load_catalog({own.folder.path("mine.cl")}), Contains("does not end in .json"));
 }
 
 TEST_CASE("malformed JSON names the file, the line and the column", "[unit]") {

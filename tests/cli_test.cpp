@@ -126,8 +126,8 @@ TEST_CASE("points written in several pieces join without a seam", "[device]") {
   REQUIRE(run_command(base + "--start 250 --n 40 --out " + folder.path("part.npy")).status == 0);
   const auto all = read_npy(folder.path("all.npy")).values,
              part = read_npy(folder.path("part.npy")).values;
-  REQUIRE(all.size() == 600 * 4000);
-  CHECK(std::equal(part.begin(), part.end(), all.begin() + 250 * 4000));
+  REQUIRE(all.size() == 2400000);
+  CHECK(std::equal(part.begin(), part.end(), all.begin() + 250L * 4000));
 }
 
 TEST_CASE("explain prints the kernel that runs and what was left out and why", "[device]") {

@@ -1,5 +1,6 @@
 // The verdict on a fitted rate: targets, gates, and when a gate does not apply.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <optional>
 
 #include "estimate/convergence.hpp"
@@ -22,6 +23,7 @@ RateFit fitted(double slope, std::size_t replicates = 32) {
   RateFit fit;
   fit.slope = slope;
   fit.replicates = replicates;
+  for (unsigned m = 8; m <= 16; ++m) fit.used.push_back(std::uint64_t{1} << m);
   return fit;
 }
 
@@ -59,6 +61,13 @@ TEST_CASE("no gate applies to heavy tails, single runs, few replicates or missin
   fit.deterministic = true;
   CHECK(judge(fit, smooth, 1).verdict == "reported");
   CHECK(judge(fitted(-0.1, 31), smooth, 1).verdict == "reported");
+  RateFit short_fit = fitted(-0.1);
+  short_fit.used.resize(7);
+  CHECK(judge(short_fit, smooth, 1).reason == "fewer than 8 rows");
+  // The log factor belongs to the rows that were fitted: over 2^12 … 2^20 its middle is 2^16.
+  RateFit far = fitted(-1.45);
+  for (std::uint64_t& n : far.used) n <<= 4;
+  CHECK(*judge(far, smooth, 2).target == Approx(-1.5 + 1 / (2 * 16 * std::log(2.0))));
   CHECK(judge(fitted(-0.1), ExpectedRate{}, 1).verdict == "reported");
   CHECK_FALSE(judge(fitted(-0.1), ExpectedRate{}, 1).target);
   CHECK(judge(fitted(-0.1), std::nullopt, 1).verdict == "no-theory");

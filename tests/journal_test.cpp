@@ -102,7 +102,9 @@ TEST_CASE("any change to a cell makes it another cell", "[unit]") {
   CHECK(differs([](Cell& c) { c.seed = 2; }));
 }
 
-TEST_CASE("a journal of another context, or a run that does not resume, starts afresh", "[unit]") {
+TEST_CASE(
+    "a journal of another context, or of a run that is not resumed, is kept under another name",
+    "[unit]") {
   const test::TemporaryFolder folder;
   const std::string out = folder.path("r.json");
   { Journal(out, kContext, false).append(identity(1), {{"value", 1}}); }
@@ -112,10 +114,43 @@ TEST_CASE("a journal of another context, or a run that does not resume, starts a
     const Journal journal(out, other, true);
     CHECK(journal.taken_over() == 0);
     CHECK_FALSE(journal.finished(identity(1)));
+    CHECK(journal.set_aside() == out + ".journal.jsonl.1");
   }
   CHECK_THAT(read_text_file(out + ".journal.jsonl"), !Contains("value"));
+  CHECK_THAT(read_text_file(out + ".journal.jsonl.1"), Contains("{\"value\":1}"));
   { Journal(out, kContext, false).append(identity(1), {{"value", 1}}); }
   CHECK_FALSE(Journal(out, kContext, false).finished(identity(1)));
+  CHECK_THAT(read_text_file(out + ".journal.jsonl.2"), Contains("{\"value\":1}"));
+}
+
+TEST_CASE("cells taken over that nobody asked for stay in the journal", "[unit]") {
+  const test::TemporaryFolder folder;
+  const std::string out = folder.path("r.json");
+  {
+    Journal journal(out, kContext, false);
+    journal.append(identity(1), {{"value", 1}});
+    journal.append(identity(2), {{"value", 2}});
+  }
+  {
+    Journal narrower(out, kContext, true);
+    REQUIRE(narrower.finished(identity(1)));
+    narrower.remove();
+  }
+  Journal all(out, kContext, true);
+  REQUIRE(all.finished(identity(1)));
+  REQUIRE(all.finished(identity(2)));
+  all.remove();
+  CHECK(files_in(folder) == 0);
+}
+
+TEST_CASE("two runs cannot write the same results", "[unit]") {
+  const test::TemporaryFolder folder;
+  const std::string out = folder.path("r.json");
+  Journal first(out, kContext, false);
+  first.append(identity(1), {{"value", 1}});
+  CHECK_THROWS_WITH(Journal(out, kContext, false),
+                    Contains("another run is writing these results"));
+  CHECK_THAT(read_text_file(first.path()), Contains("{\"value\":1}"));
 }
 
 TEST_CASE("a last line that was cut off anywhere loses that cell alone", "[unit]") {
@@ -130,12 +165,14 @@ TEST_CASE("a last line that was cut off anywhere loses that cell alone", "[unit]
   const std::size_t last = whole.rfind('\n', whole.size() - 2) + 1;
   for (std::size_t length = last; length + 1 < whole.size(); length += 7) {
     folder.write("r.json.journal.jsonl", whole.substr(0, length));
-    Journal journal(out, kContext, true);
     INFO("cut at " << length << " of " << whole.size());
-    REQUIRE(journal.taken_over() == 1);
-    REQUIRE(journal.finished(identity(1)));
-    // The rest of the cut line does not spoil what is appended now.
-    journal.append(identity(3), {{"value", 3}});
+    {
+      Journal journal(out, kContext, true);
+      REQUIRE(journal.taken_over() == 1);
+      REQUIRE(journal.finished(identity(1)));
+      // The rest of the cut line does not spoil what is appended now.
+      journal.append(identity(3), {{"value", 3}});
+    }
     REQUIRE(Journal(out, kContext, true).taken_over() == 2);
   }
 }

@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const std::vector<std::string> kNone;
+
 // The stages in the order of the data (2-architecture).
 const std::vector<std::string> kStages{"error",   "catalog",  "study",   "points",    "plan",
                                        "device",  "estimate", "journal", "stability", "film",
@@ -163,7 +165,7 @@ TEST_CASE("a stage includes only itself and the stages above it", "[unit]") {
     INFO(file.string());
     REQUIRE(stage_index(stage) < kStages.size());
     seen.insert(stage);
-    CHECK(wrong_includes(stage, read_text_file(file)) == std::vector<std::string>{});
+    CHECK(wrong_includes(stage, read_text_file(file)) == kNone);
   }
   CHECK(seen.size() >= 9);
 }
@@ -211,7 +213,7 @@ TEST_CASE(
         "#define STEP(a, c) x = fma(x, a, R(c));\nSTEP(r, 0.5)",
         "for (uint j = 0; j < 3; ++j) {}"}) {
     INFO(good);
-    CHECK(lint_piece(good, false) == std::vector<std::string>{});
+    CHECK(lint_piece(good, false) == kNone);
   }
   CHECK(lint_piece("double x;", true).empty());
   CHECK(lint_piece("double4 x;", true).size() == 1);
@@ -225,8 +227,7 @@ TEST_CASE("kernel pieces write no raw literals, no ?:, any, all or ~, and no pre
            {"kernels/points", "kernels/sums", "kernels/transforms", "integrands"}, {".cl"})) {
     ++pieces;
     INFO(file.string());
-    CHECK(lint_piece(read_text_file(file), file.parent_path().filename() == "sums") ==
-          std::vector<std::string>{});
+    CHECK(lint_piece(read_text_file(file), file.parent_path().filename() == "sums") == kNone);
   }
   CHECK(pieces >= 20);
 }

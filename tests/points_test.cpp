@@ -140,7 +140,7 @@ TEST_CASE("random access equals replay from the start", "[device]") {
       REQUIRE(replayed == accessed);
       const auto part = points(
           {.sampler = s.name, .dim = 5, .precision = precision, .start = 1234, .count = 2862});
-      REQUIRE(std::equal(part.begin(), part.end(), replayed.begin() + 5 * 1234));
+      REQUIRE(std::equal(part.begin(), part.end(), replayed.begin() + 5L * 1234));
     }
   }
 }

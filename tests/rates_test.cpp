@@ -1,5 +1,6 @@
 // What must hold of errors: gated rates, plain Monte Carlo's variance, uniformity of nested
 // scrambling, heavy tails marked.
+#include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -163,4 +164,38 @@ TEST_CASE(
   CHECK(linear.verdict.verdict != "within-gate");
   CHECK(linear.verdict.verdict != "outside-gate");
   CHECK_FALSE(run("genz-gaussian:d=1", "sobol-owen", "2^8..2^16", 32).rate.heavy_tailed);
+}
+
+TEST_CASE("a rate is not fitted through the fp32 floor, also where E|f| is unknown and I nearly 0",
+          "[statistical]") {
+  // I is 5e-7 here, so a floor in units of |I| would be far below the rounding of values near 1.
+  Cell cell = test::cell("genz-oscillatory:d=1,w=0.033800469", "sobol-owen", 256, 32);
+  cell.precision = Precision::fp32;
+  cell.n = parse_sizes("2^8..2^20", "test");
+  PreparedCell prepared(test::catalog(), test::device(), test::device(),
+                        make_plan(test::catalog(), cell, test::device().facts()));
+  const CellResult result = prepared.run();
+  CHECK(result.floor > 1e-7);
+  REQUIRE_FALSE(result.rate.used.empty());
+  CHECK(result.rate.used.back() < 1U << 17);
+  CHECK(result.verdict.verdict != "outside-gate");
+}
+
+TEST_CASE("independent points are judged by their exact variance", "[statistical]") {
+  const CellResult good = run("genz-gaussian:d=2", "random", "2^8..2^14", 64);
+  CHECK(good.verdict.verdict == "within-gate");
+  CHECK(good.verdict.reason == "chi-squared test against the exact variance");
+}
+
+TEST_CASE("neither random nor sobol-owen is marked heavy-tailed in the default study",
+          "[statistical]") {
+  const Study study = read_study(test::catalog(), "", {});
+  for (Cell cell : study.cells) {
+    if (cell.sampler != "random" && cell.sampler != "sobol-owen") continue;
+    cell.n = parse_sizes("2^8..2^14", "test");
+    PreparedCell prepared(test::catalog(), test::device(), test::device(),
+                          make_plan(test::catalog(), cell, test::device().facts()));
+    INFO(cell.scene.text << " " << cell.sampler);
+    CHECK_FALSE(prepared.run().rate.heavy_tailed);
+  }
 }

@@ -96,10 +96,18 @@ Catalog load_catalog(const std::vector<std::string>& integrand_files) {
       add_integrand(catalog, classes, file.path, file.text, embedded_code_beside(file.path));
   }
   for (const std::string& path : integrand_files) {
+    if (!path.ends_with(".json"))
+      throw InputError(fmt::format("--integrand {}", path), "the name does not end in .json",
+                       "give the entry, F.json; its code F.cl lies beside it");
     const std::string code_path = std::filesystem::path(path).replace_extension(".cl").string();
     const std::string entry = read_text_file(path);
     add_integrand(catalog, classes, path, entry, {code_path, read_text_file(code_path)});
   }
+  for (Integrand& f : catalog.integrands)
+    f.users_own =
+        std::any_of(integrand_files.begin(), integrand_files.end(), [&](const std::string& path) {
+          return std::filesystem::path(path).replace_extension(".cl").string() == f.code.path;
+        });
   return catalog;
 }
 

@@ -29,7 +29,8 @@ struct Sampler {
   bool power_of_two = false;  // N must be a power of two
   unsigned max_log2_n = 0;
   std::uint32_t max_dim = 0;
-  std::string rate_class;  // key into an integrand's expected rates
+  bool reads_directions = false;  // --directions replaces the built-in direction numbers
+  std::string rate_class;         // key into an integrand's expected rates
   std::vector<std::string> properties;
   Json options;                        // for the family's table builder
   std::map<std::string, int> defines;  // structure of the kernel
@@ -72,6 +73,7 @@ struct Integrand {
   ExactSource mean, variance, mean_abs;
   std::map<std::string, ExpectedRate> expected;  // by sampler rate class
   Json checks, sample_checks;
+  bool users_own = false;  // given on the command line: no test of the project has seen it
   SourceFile code;
 };
 

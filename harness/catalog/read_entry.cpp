@@ -72,6 +72,7 @@ Sampler read_sampler(const Json& entry, const std::string& family) {
   s.power_of_two = entry["n"]["power_of_two"];
   s.max_log2_n = entry["n"]["max_log2"];
   s.max_dim = entry["dimensions"]["max"];
+  s.reads_directions = entry.value("reads_directions", false);
   s.rate_class = entry["rate_class"];
   s.properties = entry["properties"].get<std::vector<std::string>>();
   s.options = entry["options"];

@@ -12,7 +12,13 @@ namespace {
 
 std::string joined(int argc, char** argv) {
   std::string text = "koksma";
-  for (int i = 1; i < argc; ++i) text += fmt::format(" {}", argv[i]);
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    const bool plain =
+        !argument.empty() &&
+        argument.find_first_of(" \t\n\"'$`\\*?;&|<>(){}[]#~!") == std::string_view::npos;
+    text += plain ? fmt::format(" {}", argument) : fmt::format(" '{}'", argument);
+  }
   return text;
 }
 

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "cli/verbs.hpp"
@@ -52,7 +52,8 @@ void write_csv(std::ofstream& file, const std::vector<double>& values, std::uint
 }
 
 void check(const PointsOptions& options, const Sampler& sampler, std::uint64_t count) {
-  if (options.dim == 0 || (options.dim > sampler.max_dim && options.directions.empty()))
+  if (options.dim == 0 ||
+      (options.dim > sampler.max_dim && (options.directions.empty() || !sampler.reads_directions)))
     throw InputError(
         "--dim", fmt::format("{}", options.dim),
         fmt::format("sampler '{}' has 1 to {} dimensions", sampler.name, sampler.max_dim));
@@ -88,11 +89,9 @@ int points(const PointsOptions& options) {
                        options.seed, device.facts(), options.directions);
   PointsDump dump(device, plan);
 
-  std::ofstream file(options.out, std::ios::binary | std::ios::trunc);
-  if (!file)
-    throw InputError(fmt::format("--out {}", options.out),
-                     fmt::format("cannot write: {}", std::strerror(errno)),
-                     "give a path in a folder that can be written");
+  // Under a temporary name until it is complete: a file of that name is not lost to a failure.
+  const std::string temporary = options.out + ".new";
+  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
   if (npy) write_npy_header(file, sizes[0], options.dim, plan.fp64());
   const std::uint64_t chunk = std::max<std::uint64_t>(kValuesAtOnce / options.dim, 256);
   for (std::uint64_t start = options.start; start < end; start += chunk) {
@@ -104,8 +103,12 @@ int points(const PointsOptions& options) {
       write_csv(file, values, options.dim);
   }
   file.close();
-  if (!file)
+  std::error_code error;
+  if (file) std::filesystem::rename(temporary, options.out, error);
+  if (!file || error) {
+    std::filesystem::remove(temporary, error);
     throw InputError(options.out, "cannot write: the disk takes no more", "free some space");
+  }
   return kAllOk;
 }
 
@@ -122,7 +125,8 @@ void add_points(CLI::App& app, Action& action) {
       ->check(CLI::Range(std::uint64_t{0}, kLargestSeed));
   verb->add_option("--seed", options->seed, "seed of the randomization; default 1")
       ->check(CLI::Range(std::uint64_t{0}, kLargestSeed));
-  verb->add_option("--replicate", options->replicate, "which randomization; default 0");
+  verb->add_option("--replicate", options->replicate, "which randomization; default 0")
+      ->check(CLI::Range(0, 65535));
   verb->add_option("--precision", options->precision,
                    "fp32 or fp64; default: fp64 where the device has it")
       ->check(CLI::IsMember({"fp32", "fp64"}));

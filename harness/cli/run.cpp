@@ -6,9 +6,11 @@
 #include <optional>
 
 #include "cli/verbs.hpp"
+#include "device/check_integrand.hpp"
 #include "error/error.hpp"
 #include "estimate/measure.hpp"
 #include "journal/journal.hpp"
+#include "points/sobol.hpp"
 #include "report/results.hpp"
 #include "report/table.hpp"
 
@@ -74,15 +76,17 @@ class Run {
     }
     progress_.stage(fmt::format("building {} with {}", cell.scene.text, cell.sampler));
     try {
+      if (catalog_.integrand(cell.scene.integrand, "scene").users_own)
+        check_user_integrand(catalog_, device_, exact_device, cell);
       Plan plan = make_plan(catalog_, cell, device_.facts(), options_.directions);
       slot.prepared =
           std::make_unique<PreparedCell>(catalog_, device_, exact_device, std::move(plan));
     } catch (const UnsupportedError& error) {
       slot.json =
           cell_to_json(catalog_, refused(cell, CellStatus::unsupported, error.what()), nullptr);
-    } catch (const BuildError& error) {
-      fail(slot, cell, error.what());
-    } catch (const DeviceError& error) {
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::exception& error) {  // a cell that fails, for want of memory too, is a row
       fail(slot, cell, error.what());
     }
     return slot;
@@ -100,12 +104,10 @@ class Run {
       progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
       try {
         slot.json = cell_to_json(catalog_, slot.prepared->run(), &slot.prepared->plan());
-        journal_.append(slot.identity, *slot.json);
-      } catch (const BuildError& error) {
-        fail(slot, cell, error.what());
-      } catch (const DeviceError& error) {
+      } catch (const std::exception& error) {
         fail(slot, cell, error.what());
       }
+      if ((*slot.json)["status"] == "ok") journal_.append(slot.identity, *slot.json);
       slot.prepared.reset();
     }
     const Json& json = *slot.json;
@@ -139,6 +141,19 @@ void add_input_files(Json& context, const RunOptions& options) {
     context["files"][path] = std::hash<std::string>{}(read_text_file(path));
 }
 
+// A wrong file stops before any device work.
+void check_directions(const RunOptions& options, const Catalog& catalog, const Study& study) {
+  std::uint32_t most = 0;
+  for (const Cell& cell : study.cells)
+    if (catalog.sampler(cell.sampler, "sampler").reads_directions)
+      most = std::max(most, cell.scene.dim);
+  if (options.directions.empty()) return;
+  if (most == 0)
+    throw InputError("--directions", "no sampler of the study reads direction numbers",
+                     "leave the flag out");
+  sobol_matrices_from_file(options.directions, most, 1);
+}
+
 int run(const RunOptions& options, const std::string& command_line) {
   const Catalog catalog = load_catalog(options.integrands);
   StudyFlags flags = options.flags;
@@ -151,6 +166,7 @@ int run(const RunOptions& options, const std::string& command_line) {
     std::filesystem::create_directories("results", ignored);
   }
   check_writable(out);
+  check_directions(options, catalog, study);
   Device device = Device::choose(options.device);
 
   const Json context = make_context(device.facts(), study, command_line);
@@ -160,6 +176,9 @@ int run(const RunOptions& options, const std::string& command_line) {
   if (!options.quiet && journal.taken_over() > 0)
     fmt::print(stderr, "{} finished cells taken over from {}\n", journal.taken_over(),
                journal.path());
+  if (!journal.set_aside().empty())
+    fmt::print(stderr, "an earlier journal, of another program, device or input, is kept as {}\n",
+               journal.set_aside());
 
   Run work(options, catalog, study, device, journal);
   const Json results = make_results(context, work.cells());

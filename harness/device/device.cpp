@@ -171,6 +171,12 @@ cl::Buffer Device::allocate(std::size_t bytes) {
       [&] { return cl::Buffer(context_, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 8)); });
 }
 
+cl::Buffer Device::upload_reals(const std::vector<double>& values, bool fp64) {
+  if (fp64) return upload(values.data(), values.size() * sizeof(double));
+  const std::vector<float> narrow(values.begin(), values.end());
+  return upload(narrow.data(), narrow.size() * sizeof(float));
+}
+
 double event_seconds(const cl::Event& event) {
   const auto start = event.getProfilingInfo<CL_PROFILING_COMMAND_START>();
   const auto end = event.getProfilingInfo<CL_PROFILING_COMMAND_END>();

@@ -45,6 +45,8 @@ class Device {
   // A read-only buffer with these bytes (at least 8 are allocated).
   cl::Buffer upload(const void* data, std::size_t bytes);
   cl::Buffer allocate(std::size_t bytes);
+  // Doubles rounded to fp32 unless fp64.
+  cl::Buffer upload_reals(const std::vector<double>& values, bool fp64);
 
  private:
   Device(cl::Device device, DeviceFacts facts);

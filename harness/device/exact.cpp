@@ -19,10 +19,9 @@ bool same_scene(const Json& check, const Integrand& f, const Scene& scene) {
 }
 
 std::optional<double> from_table(const Integrand& f, const Scene& scene, const char* key) {
-  for (const Json& check : f.checks)
-    if (same_scene(check, f, scene) && check.contains(key) && check[key].is_string())
-      return std::stod(check[key].get<std::string>());
-  return std::nullopt;
+  const Json* check = matching_check(f, scene);
+  if (check == nullptr || !check->contains(key) || !(*check)[key].is_string()) return std::nullopt;
+  return std::stod((*check)[key].get<std::string>());
 }
 
 std::optional<double> resolve(const ExactSource& source, double computed,
@@ -42,6 +41,12 @@ std::optional<double> resolve(const ExactSource& source, double computed,
 }
 
 }  // namespace
+
+const Json* matching_check(const Integrand& integrand, const Scene& scene) {
+  for (const Json& check : integrand.checks)
+    if (same_scene(check, integrand, scene)) return &check;
+  return nullptr;
+}
 
 ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene) {
   ExactValues result;

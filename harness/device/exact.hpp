@@ -8,6 +8,10 @@
 
 namespace koksma {
 
+// The check of the integrand's entry that has this dimension and these parameters, nullptr if there
+// is none.
+const Json* matching_check(const Integrand& integrand, const Scene& scene);
+
 struct ExactValues {
   std::optional<double> mean, variance, mean_abs;
   std::vector<double> coefficients;  // [dimension][coefficient]

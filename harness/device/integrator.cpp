@@ -19,13 +19,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Uploads doubles in the precision of the plan.
-cl::Buffer upload_reals(Device& device, const std::vector<double>& values, bool fp64) {
-  if (fp64) return device.upload(values.data(), values.size() * sizeof(double));
-  const std::vector<float> narrow(values.begin(), values.end());
-  return device.upload(narrow.data(), narrow.size() * sizeof(float));
-}
-
 void set_real(cl::Kernel& kernel, cl_uint index, double value, bool fp64) {
   if (fp64)
     kernel.setArg(index, cl_double{value});
@@ -52,8 +45,8 @@ Integrator::Integrator(Device& device, const Plan& plan, const std::vector<doubl
   const std::vector<std::byte> table = given_table.empty() ? build_point_table(plan) : given_table;
   table_bytes_ = table.size();
   table_ = device.upload(table.data(), table.size());
-  values_ = upload_reals(device, plan.cell.scene.parameters, plan.fp64());
-  coefficients_ = upload_reals(device, coefficients, plan.fp64());
+  values_ = device.upload_reals(plan.cell.scene.parameters, plan.fp64());
+  coefficients_ = device.upload_reals(coefficients, plan.fp64());
   coefficient_bytes_ = coefficients.size() * (plan.fp64() ? 8 : 4);
   setup_s_ = seconds_since(start);
 }
@@ -151,13 +144,15 @@ void Integrator::read_partials(const Launch& l, const PartialSums& take) {
       take(word, l.first_replicate + r, std::span(doubles_).subspan(offset, per_replicate));
 }
 
-std::vector<double> Integrator::first_values() {
-  // One block of 16 samples: every lane's partial sum is one value.
-  std::vector<double> values(kLanes, 0.0);
-  run_blocks(kLanes, 4, 0, 1, 1, 0.0,
+std::vector<double> Integrator::first_values(std::uint64_t count) {
+  // Blocks of 16 samples: every lane's partial sum is one value; a sum of several words adds up to
+  // it.
+  std::vector<double> values(count, 0.0);
+  std::vector<std::size_t> filled(plan_.sum->words, 0);
+  run_blocks(count, 4, 0, count / kLanes, 1, 0.0,
              [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
                if (word >= plan_.sum->words) return;  // squares
-               for (std::size_t lane = 0; lane < kLanes; ++lane) values[lane] += partials[lane];
+               for (const double partial : partials) values[filled[word]++] += partial;
              });
   return values;
 }

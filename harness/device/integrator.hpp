@@ -33,8 +33,8 @@ class Integrator {
                     std::uint64_t end_block, std::uint32_t replicates, double y0,
                     const PartialSums& take);
 
-  // f at the first 16 points of replicate 0.
-  std::vector<double> first_values();
+  // f at the first `count` points of replicate 0, count a multiple of 16.
+  std::vector<double> first_values(std::uint64_t count = 16);
   // Non-finite samples among the first n of all replicates; builds the counting kernel on first
   // use.
   std::uint64_t count_nonfinite(const Catalog& catalog, std::uint64_t n);

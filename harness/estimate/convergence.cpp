@@ -77,7 +77,7 @@ std::vector<const ConvergenceRow*> select_rows(std::span<const ConvergenceRow> r
 }
 
 bool has_heavy_tail(const ConvergenceRow& row) {
-  return row.errors.size() > 1 &&
+  return row.errors.size() >= kFewestForTails &&
          root_mean_square(row.errors) > kHeavyTailRatio * median_abs(row.errors);
 }
 
@@ -128,6 +128,11 @@ void fit_curve(const std::vector<const ConvergenceRow*>& used, const FitOptions&
     fit.reason += "deterministic: no interval";
     return;
   }
+  if (curve.replicates < kFewestForInterval) {
+    fit.reason += fit.reason.empty() ? "" : "; ";
+    fit.reason += "fewer than 8 replicates: no interval";
+    return;
+  }
   if (fit.slope) {
     fit.interval = bootstrap_slope(curve, rmse_slope, options);
     if (!fit.interval) fit.reason = "too few resamples have a slope";
@@ -143,8 +148,9 @@ RateFit fit_rate(std::span<const ConvergenceRow> rows, const FitOptions& options
   fit.deterministic = fit.replicates == 1;
   const std::vector<const ConvergenceRow*> used = select_rows(rows, options, fit);
   fit.local_slopes = local_slopes(used, options.infinite_variance);
-  fit.heavy_tailed =
-      std::any_of(used.begin(), used.end(), [](const auto* row) { return has_heavy_tail(*row); });
+  const auto heavy =
+      std::count_if(used.begin(), used.end(), [](const auto* row) { return has_heavy_tail(*row); });
+  fit.heavy_tailed = heavy >= 2 && static_cast<std::size_t>(heavy) * 4 >= used.size();
   if (used.size() < kFewestRows) {
     fit.reason = "fewer than 6 usable rows";
     return fit;

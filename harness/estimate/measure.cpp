@@ -12,6 +12,7 @@ using Clock = std::chrono::steady_clock;
 // Repeat to 20 ms or 5 times, whichever comes first.
 constexpr double kRepeatSeconds = 0.020;
 constexpr std::size_t kRepeatCount = 5;
+constexpr std::uint64_t kKurtosisSamples = 4096;  // of which the kurtosis of f is estimated
 constexpr double kSmallestResolved =
     30;  // n_eff below which the normal approximation is not believed
 
@@ -41,6 +42,29 @@ double median_of_finite(std::vector<double> values) {
   return quantile_of(values, 0.5);
 }
 
+// E|f|, or where it is unknown its bound sqrt(E f^2).
+std::optional<double> scale_of(const ExactValues& exact) {
+  if (exact.mean_abs) return exact.mean_abs;
+  if (exact.mean && exact.variance) return std::hypot(*exact.mean, std::sqrt(*exact.variance));
+  return std::nullopt;
+}
+
+// Fourth central moment over the squared second, minus 3; of finite values.
+std::optional<double> excess_kurtosis(const std::vector<double>& values) {
+  ExactSum sum;
+  sum.add(values);
+  if (values.size() < 2 || sum.nonfinite() > 0) return std::nullopt;
+  const double mean = sum.rounded_quotient(values.size());
+  double m2 = 0, m4 = 0;
+  for (const double y : values) {
+    const double square = (y - mean) * (y - mean);
+    m2 += square;
+    m4 += square * square;
+  }
+  if (!(m2 > 0)) return std::nullopt;
+  return static_cast<double>(values.size()) * m4 / (m2 * m2) - 3;
+}
+
 // N (E|f|)^2 / E f^2, where the moments are known.
 std::optional<double> effective_samples(const ExactValues& exact, std::uint64_t n) {
   if (!exact.mean || !exact.variance || !exact.mean_abs) return std::nullopt;
@@ -60,11 +84,25 @@ RateFit fit(const CellResult& result, const Plan& plan) {
     r.samples = row.n;
     for (const double q : row.estimates) r.errors.push_back(q - *result.exact.mean);
     r.floor = rounding_floor(plan, result.exact, row.n);
-    r.mean_abs = result.exact.mean_abs;
+    r.mean_abs = scale_of(result.exact);
     r.n_eff = effective_samples(result.exact, row.n);
     rows.push_back(std::move(r));
   }
   return fit_rate(rows);
+}
+
+// Independent points are judged by their exact variance, which is sharper than any slope: every
+// applicable row at level 1e-6 / rows.
+void judge_variance(CellResult& result) {
+  std::size_t applicable = 0;
+  bool contradicted = false;
+  for (const Row& row : result.rows) {
+    if (row.mc_test.applicable) ++applicable;
+    contradicted = contradicted || contradicts_variance(row.mc_test, result.rows.size());
+  }
+  if (applicable == 0) return;
+  result.verdict.verdict = contradicted ? "outside-gate" : "within-gate";
+  result.verdict.reason = "chi-squared test against the exact variance";
 }
 
 }  // namespace
@@ -84,7 +122,7 @@ std::string_view status_name(CellStatus status) {
 }
 
 double rounding_floor(const Plan& plan, const ExactValues& exact, std::uint64_t n) {
-  const double scale = exact.mean_abs ? *exact.mean_abs : exact.mean ? std::fabs(*exact.mean) : 0;
+  const double scale = scale_of(exact).value_or(exact.mean ? std::fabs(*exact.mean) : 0);
   const double evaluation = plan.fp64() ? 0x1p-53 : 0x1p-24;
   const double accumulator = plan.stores_doubles() ? 0x1p-53 : 0x1p-24;
   const double per_lane =
@@ -110,6 +148,8 @@ PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact
   y0_ = median_of_finite(integrator_->first_values());
   if (!plan_->stores_doubles()) y0_ = static_cast<float>(y0_);
   if (plan_->estimator->moments == 1) y0_ = 0;
+  if (declares(plan_->sampler->validity, "iid"))
+    kurtosis_ = excess_kurtosis(integrator_->first_values(kKurtosisSamples));
   build_s_ = seconds_since(start) - integrator_->setup_s();
 }
 
@@ -169,7 +209,7 @@ void PreparedCell::summarise(const Sums& sums, Row& row) {
   } else if (!faulty) {
     std::vector<double> errors;
     for (const double q : row.estimates) errors.push_back(q - *exact_.mean);
-    row.mc_test = test_mc_variance(errors, row.n, *exact_.variance, std::nullopt);
+    row.mc_test = test_mc_variance(errors, row.n, *exact_.variance, kurtosis_);
   } else {
     row.mc_test.reason = "non-finite samples";
   }
@@ -190,11 +230,14 @@ CellResult PreparedCell::run() {
   } else {
     result.rate.reason = "no exact value";
   }
+  for (const std::uint64_t n : plan_->refused_n)
+    result.rate.excluded.push_back({n, "not run: more points than the precision can tell apart"});
   const auto& expected = plan_->integrand->expected;
   const auto found = expected.find(plan_->sampler->rate_class);
   result.verdict =
       judge(result.rate, found == expected.end() ? std::nullopt : std::optional(found->second),
             plan_->cell.scene.dim);
+  if (declares(plan_->sampler->validity, "iid")) judge_variance(result);
   return result;
 }
 

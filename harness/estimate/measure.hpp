@@ -78,6 +78,8 @@ class PreparedCell {
   std::unique_ptr<Integrator> integrator_;
   double build_s_ = 0;
   double y0_ = 0;
+  std::optional<double>
+      kurtosis_;  // excess kurtosis of f, estimated, for the test of independent samples
 };
 
 // The level below which errors are rounding, not sampling: E|f| (4 u + sqrt(n) u_sum), u of the

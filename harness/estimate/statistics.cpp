@@ -111,9 +111,9 @@ void describe_errors(std::span<const double> errors, ErrorStatistics& result) {
   if (*result.median_abs > 0) {
     const double ratio = *result.rmse / *result.median_abs;
     if (std::isfinite(ratio)) result.rho = ratio;
-    result.heavy_tailed = ratio > kHeavyTailRatio;
+    result.heavy_tailed = ratio > kHeavyTailRatio && result.replicates >= kFewestForTails;
   } else {
-    result.heavy_tailed = *result.rmse > 0;
+    result.heavy_tailed = *result.rmse > 0 && result.replicates >= kFewestForTails;
   }
   describe_rmse_interval(errors, result);
 }

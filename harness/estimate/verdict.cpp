@@ -8,8 +8,14 @@ namespace koksma {
 
 namespace {
 
-// ln 2^12: the middle of N ∈ [2^8, 2^16], on which the gates were measured (page 5, section 1.9).
-const double kLogMiddleSamples = 12 * std::log(2.0);
+// ln N̄, the mean of ln N over the used rows: the log factor changes over the rows (for 2^8 … 2^16,
+// on which the gates were measured, ln 2^12; page 5, section 1.9).
+double mean_log_samples(const RateFit& rate) {
+  if (rate.used.empty()) return 12 * std::log(2.0);
+  double sum = 0;
+  for (const std::uint64_t n : rate.used) sum += std::log(static_cast<double>(n));
+  return sum / static_cast<double>(rate.used.size());
+}
 
 // Why a gate does not apply to this fit; empty if it does.
 std::string why_not_gated(const RateFit& rate, const ExpectedRate& expected, unsigned d) {
@@ -18,6 +24,7 @@ std::string why_not_gated(const RateFit& rate, const ExpectedRate& expected, uns
   if (rate.deterministic) return "deterministic: no interval";
   if (rate.heavy_tailed) return "heavy-tailed errors";
   if (rate.replicates < kGateReplicates) return "fewer than 32 replicates";
+  if (rate.used.size() < kGateRows) return "fewer than 8 rows";
   return "";
 }
 
@@ -28,7 +35,8 @@ RateVerdict judge(const RateFit& rate, const std::optional<ExpectedRate>& expect
   if (expected) {
     result.expected = expected->constant + expected->per_dimension / d;
     if (expected->gate_max_d) {
-      const double correction = expected->log_correction ? (d - 1) / (2 * kLogMiddleSamples) : 0;
+      const double correction =
+          expected->log_correction ? (d - 1) / (2 * mean_log_samples(rate)) : 0;
       result.target = *result.expected + correction;
     }
   }

@@ -16,12 +16,23 @@ constexpr std::uint64_t kPrivateBytes =
     std::uint64_t{1} << 20;  // bound on local size x dim x sizeof(real) (3-kernels)
 
 // A CPU runs one wide item per group; a GPU runs scalar items, as many per group as private memory
-// allows.
-LaunchShape shape_for(const DeviceFacts& device, std::uint32_t dim, bool fp64) {
-  if (device.is_cpu) return {16, 1, std::nullopt, std::nullopt};
-  const std::uint64_t item_bytes = std::uint64_t{dim} * (fp64 ? 8 : 4);
-  const std::uint64_t most = std::min<std::uint64_t>(
-      {64, device.max_work_group_size, std::max<std::uint64_t>(kPrivateBytes / item_bytes, 1)});
+// allows. Families with tables keep a state of D vectors.
+LaunchShape shape_for(const DeviceFacts& device, const Sampler& sampler, std::uint32_t dim,
+                      bool fp64) {
+  const bool stateful = find_table_builder(sampler.family) != nullptr;
+  const std::uint64_t lane_bytes = stateful ? std::uint64_t{dim} * (fp64 ? 8 : 4) : 1;
+  if (lane_bytes > kPrivateBytes)
+    throw UnsupportedError(
+        fmt::format("d = {} with sampler '{}': a work-item would keep {} bytes, {} are safe", dim,
+                    sampler.name, lane_bytes, kPrivateBytes));
+  const std::uint64_t lanes = kPrivateBytes / lane_bytes;
+  if (device.is_cpu)
+    return {lanes >= 16  ? 16u
+            : lanes >= 8 ? 8u
+            : lanes >= 4 ? 4u
+                         : 1u,
+            1, std::nullopt, std::nullopt};
+  const std::uint64_t most = std::min<std::uint64_t>({64, device.max_work_group_size, lanes});
   return {1, static_cast<std::uint32_t>(std::bit_floor(most)), std::nullopt, std::nullopt};
 }
 
@@ -44,16 +55,21 @@ const SumAlgorithm& choose_sum(const Catalog& catalog, const Cell& cell,
 void set_precision(Plan& plan, Precision precision, const DeviceFacts& device) {
   if (precision == Precision::fp64 && !device.fp64)
     throw UnsupportedError(fmt::format("precision fp64 on {}, which lacks it", device.name));
+  plan.max_allocation = device.max_allocation;
   plan.precision = precision;
   plan.coordinate_bits = plan.fp64() ? 52 : 23;
 }
 
-void check_resolution(const Plan& plan) {
-  if (plan.sampler->centred || plan.request.end_index <= std::uint64_t{1} << plan.coordinate_bits)
-    return;
-  throw UnsupportedError(fmt::format(
-      "sampler '{}' is exact to {} bits in {}: N = {} would repeat points", plan.sampler->name,
-      plan.coordinate_bits, precision_name(plan.precision), plan.request.end_index));
+// Sizes that deterministic points cannot resolve (6-definitions 4): randomized ones are flagged
+// instead.
+bool resolves(const Plan& plan, std::uint64_t n) {
+  return plan.sampler->centred || n <= std::uint64_t{1} << plan.coordinate_bits;
+}
+
+[[noreturn]] void refuse_resolution(const Plan& plan, std::uint64_t n) {
+  throw UnsupportedError(
+      fmt::format("sampler '{}' is exact to {} bits in {}: N = {} would repeat points",
+                  plan.sampler->name, plan.coordinate_bits, precision_name(plan.precision), n));
 }
 
 void note_what_is_left_out(Plan& plan) {
@@ -97,10 +113,13 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
   set_precision(plan, cell.precision.value_or(device.fp64 ? Precision::fp64 : Precision::fp32),
                 device);
   plan.sum = &choose_sum(catalog, cell, device);
-  plan.shape = shape.value_or(shape_for(device, cell.scene.dim, plan.fp64()));
-  plan.request = {plan.sampler->options, cell.scene.dim, plan.fp64(),    cell.n.back(),
+  plan.shape = shape ? *shape : shape_for(device, *plan.sampler, cell.scene.dim, plan.fp64());
+  plan.cell.n.clear();
+  for (const std::uint64_t n : cell.n)
+    (resolves(plan, n) ? plan.cell.n : plan.refused_n).push_back(n);
+  if (plan.cell.n.empty()) refuse_resolution(plan, cell.n.front());
+  plan.request = {plan.sampler->options, cell.scene.dim, plan.fp64(),    plan.cell.n.back(),
                   cell.replicates,       cell.seed,      directions_file};
-  check_resolution(plan);
   plan.program = compose(catalog, plan, ProgramKind::integrate);
   note_what_is_left_out(plan);
   return plan;
@@ -113,10 +132,10 @@ Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::u
   Plan plan;
   plan.sampler = &catalog.sampler(sampler, "--sampler");
   set_precision(plan, precision, device);
-  plan.shape = shape.value_or(shape_for(device, dim, plan.fp64()));
+  plan.shape = shape ? *shape : shape_for(device, *plan.sampler, dim, plan.fp64());
   plan.request = {plan.sampler->options, dim, plan.fp64(), end_index, replicates, seed,
                   directions_file};
-  check_resolution(plan);
+  if (!resolves(plan, end_index)) refuse_resolution(plan, end_index);
   plan.program = compose(catalog, plan, ProgramKind::inspect);
   return plan;
 }
@@ -126,6 +145,13 @@ std::vector<std::byte> build_point_table(const Plan& plan) {
   std::vector<std::uint64_t> words{0};
   if (build != nullptr) words = build(plan.request).words;
   const std::size_t size = plan.fp64() ? 8 : 4;
+  // The offsets in an fp32 table are 32-bit words themselves.
+  const std::uint64_t most =
+      std::min<std::uint64_t>(plan.max_allocation / size, plan.fp64() ? UINT64_MAX : UINT32_MAX);
+  if (words.size() > most)
+    throw UnsupportedError(
+        fmt::format("the point table of '{}' takes {} bytes for {} replicates, {} can be used",
+                    plan.sampler->name, words.size() * size, plan.request.replicates, most * size));
   std::vector<std::byte> bytes(words.size() * size);
   if (plan.fp64()) {
     std::memcpy(bytes.data(), words.data(), bytes.size());

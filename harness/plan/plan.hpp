@@ -54,6 +54,9 @@ struct Plan {
   LaunchShape shape;
   ProgramSource program;
   PointRequest request;
+  std::vector<std::uint64_t>
+      refused_n;  // sizes of the study beyond the resolution; cell.n keeps the others
+  std::uint64_t max_allocation = 0;  // bytes, of the device
   std::vector<LeftOut> left_out;
 
   bool fp64() const { return precision == Precision::fp64; }

@@ -88,9 +88,11 @@ std::string results_table(const Json& results) {
                                                ""}};
   for (const Json& cell : results["cells"]) lines.push_back(cell_columns(cell));
   std::vector<std::size_t> widths(lines[0].size(), 0);
-  for (const auto& line : lines)
-    if (line.size() == widths.size())
-      for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());
+  for (const auto& line : lines) {
+    // The last column of a line runs on.
+    for (std::size_t c = 0; c + 1 < line.size(); ++c)
+      widths[c] = std::max(widths[c], line[c].size());
+  }
   std::string text;
   for (const auto& line : lines) {
     std::string out;

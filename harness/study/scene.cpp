@@ -69,6 +69,10 @@ Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_vie
   scene.dim = f.default_dim;
   for (const Parameter& p : f.parameters) scene.parameters.push_back(p.default_value);
 
+  if (text.ends_with(':') || text.ends_with(','))
+    throw InputError(where, fmt::format("'{}' ends with '{}'", text, text.back()),
+                     "write NAME or NAME:key=value,key=value");
+  std::vector<std::string_view> given;
   std::string_view rest =
       name.size() < text.size() ? text.substr(name.size() + 1) : std::string_view{};
   while (!rest.empty()) {
@@ -81,6 +85,9 @@ Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_vie
     if (!value)
       throw InputError(where, fmt::format("'{}' is no key=value with a number", pair),
                        "write NAME:key=value,key=value; a value is a number or a fraction a/b");
+    if (std::find(given.begin(), given.end(), key) != given.end())
+      throw InputError(where, fmt::format("'{}' is given twice", key), "give each key once");
+    given.push_back(key);
     if (key == "d")
       set_dimension(scene, f, *value, where);
     else

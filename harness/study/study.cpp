@@ -65,7 +65,7 @@ void check_sizes(const Cell& cell, const Sampler& sampler, const std::string& wh
     if (sampler.power_of_two && !std::has_single_bit(n))
       throw InputError(where, fmt::format("N = {} for sampler '{}'", n, sampler.name),
                        fmt::format("it needs a power of two; the nearest are {} and {}",
-                                   std::bit_floor(n), std::bit_ceil(n)));
+                                   std::bit_floor(n), std::bit_floor(n) * 2));
     if (n > std::uint64_t{1} << sampler.max_log2_n)
       throw InputError(where, fmt::format("N = {} for sampler '{}'", n, sampler.name),
                        fmt::format("it has at most 2^{} points", sampler.max_log2_n));
@@ -86,7 +86,7 @@ struct BlockReader {
   Cell cell(const Scene& scene, const std::string& sampler_name,
             const std::string& sampler_where) const {
     const Sampler& sampler = catalog.sampler(sampler_name, sampler_where);
-    if (scene.dim > sampler.max_dim && !flags.own_directions)
+    if (scene.dim > sampler.max_dim && !(flags.own_directions && sampler.reads_directions))
       throw InputError(
           sampler_where, fmt::format("scene '{}' draws d = {}", scene.text, scene.dim),
           fmt::format("sampler '{}' has at most {} dimensions", sampler.name, sampler.max_dim));
