@@ -348,3 +348,40 @@ TEST_CASE("output that is not to a terminal is plain lines, and quiet output is 
   CHECK_THAT(run.command.output,
              Contains("scene") && Contains("Gcoord/s") && Contains("±") && Contains("2^6"));
 }
+
+TEST_CASE(
+    "a user's integrand that draws too many coordinates, or contradicts its own check, is refused",
+    "[device]") {
+  const test::TemporaryFolder folder;
+  const std::string entry =
+      R"({"name": "mine", "title": "t", "citation": "c", "reference": [], "class": "smooth",
+    "periodic": false, "parameters": [], "dimensions": {"min": 1, "max": 9, "default": 2}, "draws": "d",
+    "coefficients": [], "transforms": [], "exact_operations": true, "nonnegative": true,
+    "exact": {"mean": {"from": "formula"}, "variance": {"from": "none"}, "mean_abs": {"from": "mean"}},
+    "checks": [{"d": 2, "parameters": {}, "mean": "CHECK", "variance": null, "verified": "by hand"}]})";
+  const auto run_with = [&](const std::string& draws, const std::string& check) {
+    std::string json = entry;
+    json.replace(json.find("CHECK"), 5, check);
+    folder.write("mine.json", json);
+    folder.write(
+        "mine.cl",
+        "#ifdef KOKSMA_EXACT\nstatic double exact_mean(params q, uint d) { return d / 2.0; "
+        "}\n#else\n"
+        "static inline real integrand(points *p, params q, coefficients c) {\n  real s = R(0.0);\n"
+        "  for (uint j = 0; j < " +
+            draws + "; ++j) s += points_next(p);\n  return s;\n}\n#endif\n");
+    return test::run_command("run --quiet --integrand " + folder.path("mine.json") +
+                             " --scene mine:d=2 --sampler sobol-owen --n 2^8 --out " +
+                             folder.path("r.json"));
+  };
+  const auto good = run_with("KOKSMA_DIM", "1");
+  INFO(good.output);
+  CHECK(good.status == 0);
+  const auto greedy = run_with("KOKSMA_DIM + 3", "1");
+  CHECK(greedy.status == 2);
+  CHECK_THAT(greedy.output,
+             Contains("mine.cl") && Contains("draws 5 coordinates") && Contains("d = 2"));
+  const auto wrong = run_with("KOKSMA_DIM", "0.75");
+  CHECK(wrong.status == 2);
+  CHECK_THAT(wrong.output, Contains("exact_mean gives 1") && Contains("0.75"));
+}

@@ -15,7 +15,7 @@ std::string code_block(const std::string& text, const std::string& language,
   const std::string fence = "```" + language + "\n";
   for (std::size_t at = text.find(fence); at != std::string::npos; at = text.find(fence, at + 1)) {
     const std::size_t begin = at + fence.size();
-    const std::string block = text.substr(begin, text.find("```", begin) - begin);
+    std::string block = text.substr(begin, text.find("```", begin) - begin);
     if (block.find(word) != std::string::npos) return block;
   }
   FAIL("README has no " << language << " block with " << word);
