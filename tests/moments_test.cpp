@@ -1,0 +1,132 @@
+// Moments of the integrands, the normal quantile, what results say of times and sums by default.
+#include <boost/math/distributions/normal.hpp>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "catalog/embedded.hpp"
+#include "estimate/measure.hpp"
+#include "journal/cell_json.hpp"
+#include "tests/support.hpp"
+
+using namespace koksma;
+using test::cell;
+
+TEST_CASE("sampled variances and mean absolute values meet the exact ones", "[statistical]") {
+  // 2^16 independent values: 8 standard errors, estimated from the same values.
+  std::vector<std::string> scenes;
+  for (const Integrand& f : test::catalog().integrands) scenes.push_back(f.name);
+  scenes.insert(scenes.end(),
+                {"sobol-g:d=3,scale=0,offset=-0.5", "linear-prod:d=3,scale=-2,power=0"});
+  for (const std::string& scene : scenes) {
+    const Cell c = cell(scene, "random", 1 << 16);
+    const Plan plan = make_plan(test::catalog(), c, test::device().facts());
+    const ExactValues exact = compute_exact(test::device(), *plan.integrand, c.scene);
+    Integrator integrator(test::device(), plan, exact.coefficients);
+    // Blocks of 16 samples store every value as its own partial sum; the last word is the square.
+    std::vector<double> values;
+    integrator.run_blocks(1 << 16, 4, 0, 1 << 12, 1, 0.0,
+                          [&](std::uint32_t word, std::uint32_t, std::span<const double> p) {
+                            if (word == 0) values.insert(values.end(), p.begin(), p.end());
+                          });
+    REQUIRE(values.size() == 1 << 16);
+    const auto meets = [&](auto quantity, double expected) {
+      double mean = 0, square = 0;
+      for (const double y : values) mean += quantity(y) / 65536;
+      for (const double y : values) square += std::pow(quantity(y) - mean, 2) / 65536;
+      INFO(scene << ": sampled " << mean << ", exact " << expected);
+      CHECK(std::fabs(mean - expected) <=
+            8 * std::sqrt(square / 65536) + 1e-14 * std::fabs(expected));
+    };
+    if (exact.mean_abs) meets([](double y) { return std::fabs(y); }, *exact.mean_abs);
+    if (exact.mean && exact.variance)
+      meets([&](double y) { return std::pow(y - *exact.mean, 2); }, *exact.variance);
+  }
+}
+
+TEST_CASE("the normal quantile is within 8 ulp of Boost's from 2^-53 to 1 - 2^-53, in every branch",
+          "[device]") {
+  for (const bool fp64 : {false, true}) {
+    std::string text =
+        "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_DIM 1\n#define KOKSMA_CENTRED 1\n";
+    text += fp64 ? "#define KOKSMA_FP64 1\n" : "#define KOKSMA_FP64 0\n";
+    text += embedded_text("kernels/prelude.cl");
+    text += test::catalog().transform("normal").code.text;
+    text +=
+        "__kernel void quantiles(__global const scalar *x, __global scalar *out) {\n"
+        "  out[get_global_id(0)] = normal_quantile(x[get_global_id(0)]);\n}\n";
+    // Grid points (k + 1/2) 2^-m near every power of two, and their mirrors.
+    const int bits = fp64 ? 52 : 23;
+    std::vector<double> x;
+    for (int e = 0; e < bits; ++e)
+      for (const double part : {1.0, 1.17, 1.39, 1.61, 1.83}) {
+        const double k = std::floor(std::ldexp(part, e));
+        x.push_back(std::ldexp(k + 0.5, -bits));
+        x.push_back(1 - x.back());
+      }
+    x.push_back(std::ldexp(0.5, -bits));
+    const std::vector<float> narrow(x.begin(), x.end());
+    std::vector<double> wide(x.size());
+    std::vector<float> single(x.size());
+    Device& device = test::device();
+    const std::size_t bytes = x.size() * (fp64 ? 8 : 4);
+    const cl::Buffer in =
+        device.upload(fp64 ? static_cast<const void*>(x.data()) : narrow.data(), bytes);
+    const cl::Buffer out = device.allocate(bytes);
+    cl::Kernel kernel(device.build({"quantiles", text, "-cl-std=CL1.2 -w"}).program, "quantiles");
+    kernel.setArg(0, in);
+    kernel.setArg(1, out);
+    device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(x.size()),
+                                        cl::NDRange(1));
+    device.queue().enqueueReadBuffer(out, CL_TRUE, 0, bytes,
+                                     fp64 ? static_cast<void*>(wide.data()) : single.data());
+    const boost::math::normal_distribution<long double> normal;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const long double expected = quantile(normal, static_cast<long double>(x[i]));
+      const double size = std::fabs(static_cast<double>(expected));
+      const double ulp =
+          fp64 ? std::nextafter(size, INFINITY) - size
+               : std::nextafterf(static_cast<float>(size), INFINITY) - static_cast<float>(size);
+      const double value = fp64 ? wide[i] : single[i];
+      INFO("fp64 " << fp64 << " x = " << x[i] << ": " << value);
+      CHECK(std::fabs(static_cast<double>(value - expected)) <= 8 * ulp);
+    }
+  }
+}
+
+TEST_CASE("times in the results are those of one replicate, throughput that of all", "[unit]") {
+  CellResult result;
+  result.cell = cell("linear-prod:d=3", "random", 256, 8);
+  result.cell.n = {256, 512};
+  result.exact.mean = 2;
+  result.exact.variance = 1;
+  result.verdict.verdict = "no-rate";
+  for (const double size : {1.0, 2.0}) {
+    Row row;
+    row.n = static_cast<std::uint64_t>(256 * size);
+    row.errors.rmse = std::pow(10.0, -size);
+    row.kernel = {8 * size, 1, 0, 5};
+    result.rows.push_back(row);
+  }
+  const Json json = cell_to_json(test::catalog(), result, nullptr);
+  const Json& row = json["rows"][0];
+  CHECK(row["seconds_per_replicate"] == 1.0);
+  CHECK(row["samples_per_s"] == 256.0);
+  CHECK(row["coordinates_per_s"] == 768.0);
+  CHECK(row["efficiency"].get<double>() == Approx(100.0));                // 1 / (rmse^2 s)
+  CHECK(row["variance_reduction"].get<double>() == Approx(100.0 / 256));  // variance / N / rmse^2
+  // RMSE 0.1 after 1 s, 0.01 after 2 s; tolerances are relative to the mean, 2.
+  const Json& times = json["efficiency"]["time_to_tolerance"];
+  CHECK(json["efficiency"]["relative_to"] == 2.0);
+  CHECK(times[1]["tolerance"].get<double>() == Approx(0.01));
+  // log2 t falls linearly in log2 rmse: rmse 0.02 is reached at 2^(log10(0.1 / 0.02)).
+  CHECK(times[1]["seconds"].get<double>() == Approx(std::exp2(std::log10(5.0))));
+}
+
+TEST_CASE("unasked, samples are summed in fp64 where the device has it, else by Kahan", "[unit]") {
+  DeviceFacts facts;
+  CHECK(make_plan(test::catalog(), cell("linear-prod:d=1", "sobol", 64), facts).sum->name ==
+        "double");
+  facts.fp64 = false;
+  CHECK(make_plan(test::catalog(), cell("linear-prod:d=1", "sobol", 64), facts).sum->name ==
+        "kahan");
+}
