@@ -245,10 +245,15 @@ void register_rows() {
 }  // namespace koksma::bench
 
 int main(int argc, char** argv) {
+  std::string command = "koksma_bench";
+  for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
   // On a busy machine PoCL's threads, left alone, can share one processor for seconds.
   setenv("POCL_AFFINITY", "1", 0);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  const koksma::DeviceFacts facts = koksma::Device::choose("").facts();
+  benchmark::AddCustomContext("command", command);
+  benchmark::AddCustomContext("device", facts.name + ", " + facts.platform + " " + facts.driver);
   koksma::bench::register_rows();
   benchmark::RunSpecifiedBenchmarks();
   for (const std::string& row : koksma::bench::missed())
