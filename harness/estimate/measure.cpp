@@ -135,7 +135,6 @@ double rounding_floor(const Plan& plan, const ExactValues& exact, std::uint64_t 
 // One accumulator per replicate and moment.
 struct PreparedCell::Sums {
   std::vector<ExactSum> values, squares;
-  bool nonfinite = false;
 };
 
 PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact_device, Plan plan)

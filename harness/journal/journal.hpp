@@ -22,7 +22,7 @@ class Journal {
 
   // The finished cell with this identity, if the journal has it.
   std::optional<Json> finished(const Json& identity) const;
-  // Appends and flushes; DeviceError-free: throws std::runtime_error when the disk takes no more.
+  // Appends and flushes; throws std::runtime_error when the disk takes no more.
   void append(const Json& identity, const Json& cell);
   // The results file is complete: the journal goes, unless it holds cells taken over that no one
   // asked for (finished()); then it stays.

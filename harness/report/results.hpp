@@ -22,7 +22,7 @@ Json resume_context(const Json& context);
 // {schema_version, context, cells}.
 Json make_results(const Json& context, const Json& cells);
 
-// Checks and writes; std::logic_error-free: InputError when the path cannot be written or the
+// Checks and writes; InputError when the path cannot be written or the
 // schema does not hold.
 void write_results(const Json& results, const std::string& path);
 
