@@ -127,3 +127,12 @@ static inline real unit_from_word(bits w) {
   const uint shift = 8 * sizeof(word) - KOKSMA_MANTISSA_BITS;
   return unit_from_mantissa(w >> (word)shift | (word)KOKSMA_ONE_PATTERN);
 }
+
+#if KOKSMA_ROTATED
+// The family that follows is wrapped by rotate.cl.
+#define points unrotated_points
+#define points_seek unrotated_seek
+#define points_next unrotated_next
+#define points_step unrotated_step
+#define points_drawn unrotated_drawn
+#endif

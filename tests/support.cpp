@@ -9,6 +9,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "catalog/sizes.hpp"
+
 namespace koksma::test {
 
 const Catalog& catalog() {
@@ -22,12 +24,20 @@ Device& device() {
 }
 
 std::vector<double> points(const PointsSpec& spec) {
-  const std::uint64_t end = spec.start + spec.count;
+  const Sampler sampler = catalog().sampler(spec.sampler, "test");
+  std::uint64_t end = spec.start + spec.count;
+  if (!sampler.extensible) end = spec.n > 0 ? spec.n : admitted_size(sampler, spec.dim, end);
   Plan plan = make_points_plan(catalog(), spec.sampler, spec.dim, spec.precision, end,
                                spec.replicate + 1, spec.seed, device().facts(), "",
                                LaunchShape{spec.lanes_per_item, 1, {}, {}});
   PointsDump dump(device(), plan);
   return dump.read(spec.start, spec.count, end, spec.replicate, spec.log2_block);
+}
+
+std::uint64_t admitted_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t at_least) {
+  const auto size = nearest_sizes(sampler, dim, at_least).above;
+  if (!size) throw std::runtime_error("no such size of " + sampler.name);
+  return *size;
 }
 
 Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n,

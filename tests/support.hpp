@@ -26,9 +26,14 @@ struct PointsSpec {
   std::uint32_t replicate = 0, log2_block = 8;
   std::uint64_t seed = 1;
   std::uint32_t lanes_per_item = 16;
+  std::uint64_t n =
+      0;  // size of a set that is not extensible; 0: the smallest that holds the points
 };
 // [point][dimension]
 std::vector<double> points(const PointsSpec& spec);
+
+// The smallest N >= at_least that the sampler has in `dim` dimensions.
+std::uint64_t admitted_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t at_least);
 
 // A cell of one size.
 Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n,
