@@ -43,6 +43,7 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   define("KOKSMA_LANES_PER_ITEM", plan.shape.lanes_per_item);
   define("KOKSMA_FP64", plan.fp64() ? 1 : 0);
   define("KOKSMA_DIM", plan.request.dim);
+  define("KOKSMA_UNROLLED", plan.request.dim <= kMostUnrolledDim ? 1 : 0);
   // A rotated set's own points are exact; the rotation centres them.
   define("KOKSMA_CENTRED", plan.sampler->centred && !plan.sampler->rotated ? 1 : 0);
   if (plan.sampler->rotated) define("KOKSMA_ROTATED", 1);
