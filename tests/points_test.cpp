@@ -1,6 +1,7 @@
 // The points that the kernels draw: sequences equal their definitions, nets stay nets under every
 // scrambling, random access equals replay, coordinates stay in range.
 #include <Random123/philox.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +12,7 @@
 #include <set>
 
 #include "catalog/embedded.hpp"
-#include "points/sobol.hpp"
+#include "points/matrices.hpp"
 #include "points/tables.hpp"
 #include "tests/support.hpp"
 
@@ -270,9 +271,10 @@ __kernel void convert(__global const word *words, __global const word *zeros, __
 })";
   for (const bool fp64 : {false, true}) {
     for (const bool centred : {false, true}) {
-      std::string text =
-          "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_DIM 1\n#define KOKSMA_FP64 " +
-          std::to_string(fp64) + "\n#define KOKSMA_CENTRED " + std::to_string(centred) + "\n";
+      std::string text = fmt::format(
+          "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_DIM 1\n#define KOKSMA_FP64 {:d}\n"
+          "#define KOKSMA_CENTRED {:d}\n",
+          fp64, centred);
       text += std::string(embedded_text("kernels/prelude.cl")) +
               std::string(embedded_text("kernels/points/lattice.cl")) + body;
       std::vector<std::uint64_t> words;
@@ -412,27 +414,39 @@ TEST_CASE("draws for different purposes, replicates, dimensions and indices are 
   CHECK(seen.size() == drawn);
 }
 
-TEST_CASE("a lattice's first 2^k points are the multiples of its generating vector, in Gray order",
+TEST_CASE("a lattice's first 2^k points are the multiples of one point, in Gray order",
           "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     if (!test::has_property(s, "lattice")) continue;
-    const std::uint32_t dim = 9;
-    if (s.options["vector"] == "random") continue;
-    const Json vector = parse_json(
-        embedded_text("kernels/points/vectors/" + s.options["vector"].get<std::string>() + ".json"),
-        "test");
-    const auto z = vector["z"].get<std::vector<std::uint64_t>>();
-    const auto drawn = points({.sampler = s.name, .dim = dim, .count = 1 << 12, .log2_block = 9});
-    for (std::uint64_t i = 0; i < 1 << 12; ++i) {
-      const std::uint64_t gray = i ^ i >> 1;
-      std::uint64_t reversed = 0;
-      for (unsigned k = 0; k < 12; ++k) reversed |= (gray >> k & 1) << (11 - k);
+    // 9 and 20 dimensions: the two ways to keep the state.
+    for (const std::uint32_t dim : {9U, 20U}) {
+      const auto drawn = points({.sampler = s.name, .dim = dim, .count = 1 << 12, .log2_block = 9});
+      // Point 2^12 - 1 is that of Gray code 2^11, whose radical inverse is 2^-12: the generating
+      // vector.
+      std::vector<std::uint64_t> z;
       for (std::uint32_t j = 0; j < dim; ++j) {
-        const double multiple = std::ldexp(static_cast<double>(reversed * z[j] % 4096), -12);
-        const double shift = s.centred ? drawn[j] : 0.0;  // point 0 is the shift
-        const double expected = multiple + shift - (multiple + shift >= 1 ? 1 : 0);
-        INFO(s.name << " point " << i << " dimension " << j);
-        REQUIRE(drawn[i * dim + j] == Approx(expected).margin(1e-15));
+        const double step = drawn[4095 * dim + j] - drawn[j];
+        z.push_back(static_cast<std::uint64_t>(std::ldexp(step - std::floor(step), 12) + 0.5));
+      }
+      if (s.options["vector"] != "drawn") {
+        const Json vector =
+            parse_json(embedded_text("kernels/points/vectors/" +
+                                     s.options["vector"].get<std::string>() + ".json"),
+                       "test");
+        for (std::uint32_t j = 0; j < dim; ++j)
+          REQUIRE(z[j] == vector["z"][j].get<std::uint64_t>() % 4096);
+      }
+      for (std::uint64_t i = 0; i < 1 << 12; ++i) {
+        const std::uint64_t gray = i ^ i >> 1;
+        std::uint64_t reversed = 0;
+        for (unsigned k = 0; k < 12; ++k) reversed |= (gray >> k & 1) << (11 - k);
+        for (std::uint32_t j = 0; j < dim; ++j) {
+          const double multiple = std::ldexp(static_cast<double>(reversed * z[j] % 4096), -12);
+          const double shift = s.centred ? drawn[j] : 0.0;  // point 0 is the shift
+          const double expected = multiple + shift - (multiple + shift >= 1 ? 1 : 0);
+          INFO(s.name << " point " << i << " dimension " << j);
+          REQUIRE(drawn[i * dim + j] == Approx(expected).margin(1e-15));
+        }
       }
     }
   }
