@@ -27,8 +27,8 @@ Grid nearest_square(std::uint64_t n) {
 
 void append_bijection(std::vector<std::uint64_t>& words, const PointRequest& request,
                       std::uint32_t replicate, std::uint32_t dimension, std::uint32_t which) {
-  const RandomPair key = random_pair(request.seed, which, replicate,
-                                     RandomPurpose::index_permutation, dimension);
+  const RandomPair key =
+      random_pair(request.seed, which, replicate, RandomPurpose::index_permutation, dimension);
   words.push_back(key.first >> 32);
   words.push_back((key.second >> 32) | 1);
 }
