@@ -201,6 +201,34 @@ TEST_CASE(
   CHECK(own == 1);
 }
 
+TEST_CASE("the largest set of a sampler can be drawn at its end, in any blocks", "[device]") {
+  std::size_t found = 0;
+  for (const Sampler& s : test::catalog().samplers) {
+    if (!has_property(s, "no-duplicates") || s.extensible) continue;
+    ++found;
+    const std::uint32_t dim = has_property(s, "one-per-stratum") ? 3 : 5;
+    const std::uint64_t n = nearest_sizes(s, dim, 1ULL << s.max_log2_n).below.value();
+    test::PointsSpec spec{.sampler = s.name, .dim = dim};
+    spec.start = n - 100;
+    spec.count = 100;
+    spec.n = n;
+    const auto x = test::points(spec);
+    spec.log2_block = 4;
+    INFO(s.name << " N = " << n);
+    REQUIRE(x == test::points(spec));
+    CHECK(n > 1ULL << 29);
+    std::set<std::vector<double>> seen;
+    for (auto point = x.begin(); point != x.end(); point += dim) seen.emplace(point, point + dim);
+    CHECK(seen.size() == 100);
+    for (std::uint32_t d = 0; d < dim && has_property(s, "one-per-row"); ++d) {
+      std::set<std::uint64_t> rows;
+      for (std::size_t i = 0; i < 100; ++i) rows.insert(stratum(x[i * dim + d], n));
+      CHECK(rows.size() == 100);
+    }
+  }
+  CHECK(found >= 7);
+}
+
 TEST_CASE("a regular grid has its cells' centres, cut off to the coordinate's bits", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     if (!has_property(s, "one-per-stratum") || s.replicable) continue;

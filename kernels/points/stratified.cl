@@ -26,7 +26,11 @@ typedef struct {
   uint dim;
 } points;
 
-#define KOKSMA_STRATIFIED_GRIDS (KOKSMA_STRATIFIED_PAIRS ? (KOKSMA_DIM + 1) / 2 : 1)
+#if KOKSMA_STRATIFIED_PAIRS
+#define KOKSMA_STRATIFIED_GRIDS ((KOKSMA_DIM + 1) / 2)
+#else
+#define KOKSMA_STRATIFIED_GRIDS 1
+#endif
 
 static inline void points_seek(points *p, __global const word *table, ulong first, ulong n, ulong seed, uint replicate,
                                uint lane) {

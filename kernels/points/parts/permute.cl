@@ -10,6 +10,8 @@
 // Kensler's hash (2013) is one stage instead, known not to be uniform.
 typedef struct {
   uint log2_a, b, last, rounds;
+  uint log2_b;    // of a power of two
+  uint is_power;  // n is one
 } bijection;
 
 static inline bijection bijection_on(ulong n) {
@@ -17,6 +19,8 @@ static inline bijection bijection_on(ulong n) {
   s.log2_a = (uint)(64 - clz(n - 1)) / 2;
   s.b = (uint)((n - 1) >> s.log2_a) + 1;
   s.last = (uint)(n - 1);
+  s.is_power = (n & (n - 1)) == 0;
+  s.log2_b = 31 - clz(s.b);
   s.rounds = 1;  // n <= 2: a random shift is all there is
   if (s.log2_a > 0) s.rounds = 2 + (15 + s.log2_a) / s.log2_a;
   return s;
@@ -36,29 +40,39 @@ static inline words32 avalanche(words32 x) {
   return x ^ x >> 16;
 }
 
-// The image of x under the bijection of a key and an odd step. x beyond the domain, a lane past the end of the set,
-// counts as the last number.
-static inline words32 permute(words32 x, bijection s, words32 first_key, words32 step) {
-  const uint left_mask = (1u << s.log2_a) - 1;
-  x = min(x, (words32)s.last);
-  words32 done = (words32)0;  // all ones in the lanes that have arrived
-  for (;;) {
-    words32 left = x & left_mask, right = x >> s.log2_a, key = first_key;
-    for (uint r = 0; r < s.rounds; ++r) {
-      // log2 a = 0 shifts by 32, which is 0 in OpenCL: the mask clears it.
-      left = (left + (round_hash(right + key) >> (32 - s.log2_a))) & left_mask;
-      key += step;
+// One pass through the network, on [0, a b).
+static inline words32 permute_once(words32 x, bijection s, words32 key, words32 step) {
+  const uint left_mask = (1u << s.log2_a) - 1, right_mask = (1u << s.log2_b) - 1;
+  words32 left = x & left_mask, right = x >> s.log2_a;
+  for (uint r = 0; r < s.rounds; ++r) {
+    // A half of one value, log2 = 0, shifts by 32, which is 0 in OpenCL: the mask clears it.
+    left = (left + (round_hash(right + key) >> (32 - s.log2_a))) & left_mask;
+    key += step;
+    const words32 hash = round_hash(left + key);
+    key += step;
+    if (s.is_power) {
+      right = (right + (hash >> (32 - s.log2_b))) & right_mask;
+    } else {
       words32 shift, unused;
-      multiply_wide(round_hash(left + key), s.b, &shift, &unused);
+      multiply_wide(hash, s.b, &shift, &unused);
       right += shift;
       right = min(right, right - s.b);  // the difference wraps where right < b
-      key += step;
     }
-    const words32 y = right << s.log2_a | left;
-    x = y ^ ((x ^ y) & done);
+  }
+  return right << s.log2_a | left;
+}
+
+// The image of x under the bijection of a key and an odd step. x beyond the domain, a lane past the end of the set,
+// counts as the last number.
+static inline words32 permute(words32 x, bijection s, words32 key, words32 step) {
+  x = permute_once(min(x, (words32)s.last), s, key, step);
+  if (s.is_power) return x;
+  for (;;) {
     // Less than a <= 2^16 above the last: its sign after the subtraction tells who has arrived.
     const words32 excess = x - min(x, (words32)s.last);
-    done = 0u - ((excess - 1u) >> 31);
     if (all_lanes(KOKSMA_TO_BITS(excess) == (bits)(word)0)) return x;
+    const words32 arrived = 0u - ((excess - 1u) >> 31);
+    const words32 next = permute_once(x, s, key, step);
+    x = next ^ ((x ^ next) & arrived);
   }
 }
