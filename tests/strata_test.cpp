@@ -6,10 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "catalog/embedded.hpp"
 #include "catalog/sizes.hpp"
-#include "points/grids.hpp"
-#include "points/sobol.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
@@ -239,8 +236,9 @@ TEST_CASE("a regular grid has its cells' centres, cut off to the coordinate's bi
             {.sampler = s.name, .dim = 2, .precision = precision, .count = m * m, .n = m * m});
         for (std::size_t i = 0; i < x.size(); ++i) {
           const std::uint64_t cell = i % 2 == 0 ? i / 2 % m : i / 2 / m;
+          const std::uint64_t twice = 2 * m;
           const auto units = static_cast<std::uint64_t>(
-              (static_cast<unsigned __int128>(2 * cell + 1) << bits) / (2 * m));
+              (static_cast<unsigned __int128>(2 * cell + 1) << bits) / twice);
           INFO(s.name << " m = " << m << " value " << i);
           REQUIRE(x[i] == std::ldexp(static_cast<double>(units), -bits));
         }
@@ -271,136 +269,5 @@ TEST_CASE(
       // Only where a centre lies across the border: in about N of the grid's 2^23 steps.
       CHECK(off <= 6 + fine.size() * n / (1 << 22));
     }
-  }
-}
-
-TEST_CASE(
-    "a coordinate of a stratum is inside it, on the grid and the exact quotient's, for many n and "
-    "the extremes of the jitter",
-    "[device]") {
-  // strata.cl through a kernel of this test.
-  const std::string body = R"(
-__kernel void place(__global const uint *n, __global const uint *cells, __global const word *u, __global word *words,
-                    __global scalar *out) {
-  const size_t i = get_global_id(0) * KOKSMA_LANES_PER_ITEM;
-  const strata s = strata_of(n[get_global_id(0)]);
-  const words32 cell = load_lanes(cells + i);
-  store_lanes(stratum_word(cell, load_lanes(u + i), s), words + i);
-  store_lanes(in_stratum(cell, load_lanes(u + i), s), out + i);
-})";
-  std::vector<std::uint32_t> sizes;
-  for (std::uint32_t n = 1; n <= 300; ++n) sizes.push_back(n);
-  for (std::uint32_t k = 0; k < 2000; ++k) {
-    const auto random = random_pair(1, k, 0, RandomPurpose::points, 0).first;
-    sizes.push_back(1 + (static_cast<std::uint32_t>(random) >> (2 + random % 29)));
-  }
-  for (std::uint32_t k = 9; k <= 30; ++k)
-    for (const std::uint32_t n : {(1U << k) - 1, 1U << k}) sizes.push_back(n);
-  for (const bool fp64 : {false, true}) {
-    const std::uint64_t all = fp64 ? ~0ULL : 0xFFFFFFFFULL;
-    std::vector<std::uint32_t> cells;
-    std::vector<std::uint64_t> u;
-    for (const std::uint32_t n : sizes) {
-      for (std::uint32_t lane = 0; lane < 16; ++lane) {
-        const auto random = random_pair(2, u.size(), 0, RandomPurpose::points, 0);
-        cells.push_back(lane < 4    ? 0
-                        : lane < 8  ? n - 1
-                        : lane < 10 ? n / 2
-                                    : static_cast<std::uint32_t>(random.first % n));
-        u.push_back(lane % 4 == 0 ? 0 : lane % 4 == 1 ? all : random.second & all);
-      }
-    }
-    std::string text =
-        "#define KOKSMA_LANES_PER_ITEM 16\n#define KOKSMA_DIM 1\n#define KOKSMA_CENTRED 1\n#define "
-        "KOKSMA_FP64 " +
-        std::to_string(fp64) + "\n";
-    for (const char* path :
-         {"kernels/prelude.cl", "kernels/points/parts/philox.cl", "kernels/points/parts/strata.cl"})
-      text += embedded_text(path);
-    Device& device = test::device();
-    cl::Kernel kernel(device.build({"strata", text + body, "-cl-std=CL1.2 -w"}).program, "place");
-    const std::vector<std::uint32_t> narrow_u(u.begin(), u.end());
-    const std::size_t size = fp64 ? 8 : 4, count = u.size();
-    const cl::Buffer buffers[] = {
-        device.upload(sizes.data(), sizes.size() * 4), device.upload(cells.data(), count * 4),
-        fp64 ? device.upload(u.data(), count * 8) : device.upload(narrow_u.data(), count * 4),
-        device.allocate(count * size), device.allocate(count * size)};
-    for (cl_uint arg = 0; arg < 5; ++arg) kernel.setArg(arg, buffers[arg]);
-    device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(sizes.size()),
-                                        cl::NDRange(1));
-    std::vector<std::uint64_t> words(fp64 ? count : 0);
-    std::vector<double> x(fp64 ? count : 0);
-    std::vector<std::uint32_t> narrow_words(count);
-    std::vector<float> narrow_x(count);
-    void* const word_target = fp64 ? static_cast<void*>(words.data()) : narrow_words.data();
-    void* const x_target = fp64 ? static_cast<void*>(x.data()) : narrow_x.data();
-    device.queue().enqueueReadBuffer(buffers[3], CL_TRUE, 0, count * size, word_target);
-    device.queue().enqueueReadBuffer(buffers[4], CL_TRUE, 0, count * size, x_target);
-    if (!fp64) words.assign(narrow_words.begin(), narrow_words.end());
-    if (!fp64) x.assign(narrow_x.begin(), narrow_x.end());
-
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t n = sizes[i / 16];
-      const unsigned __int128 dividend =
-          (static_cast<unsigned __int128>(cells[i]) << (fp64 ? 64 : 32)) + u[i];
-      INFO("fp64 " << fp64 << " n = " << n << " cell " << cells[i] << " u " << u[i]);
-      REQUIRE(words[i] == static_cast<std::uint64_t>(dividend / n));
-      const double units = std::ldexp(x[i], fp64 ? 53 : 24);
-      REQUIRE((x[i] > 0 && x[i] < 1));
-      REQUIRE(std::fmod(units, 2) == 1);
-      if (fp64 || n <= 1U << 23) REQUIRE(stratum(x[i], n) == cells[i]);
-    }
-  }
-}
-
-TEST_CASE("the second coordinate of padded-net is the second dimension of Sobol', bit-reversed",
-          "[device]") {
-  const std::string body = R"(
-__kernel void second(__global const word *indices, __global word *out) {
-  out[get_global_id(0)] = reverse_bits(pascal_times(indices[get_global_id(0)]));
-})";
-  const GeneratingMatrices m = sobol_matrices(2, 32);
-  std::vector<std::uint64_t> indices;
-  for (std::uint64_t i = 0; i < 1000; ++i) indices.push_back(i);
-  for (std::uint64_t k = 0; k < 1000; ++k)
-    indices.push_back(random_pair(3, k, 0, RandomPurpose::points, 0).first >> 32);
-  std::string text =
-      "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_DIM 2\n#define KOKSMA_CENTRED 1\n#define "
-      "KOKSMA_FP64 1\n";
-  for (const char* path :
-       {"kernels/prelude.cl", "kernels/points/parts/philox.cl", "kernels/points/parts/owen.cl",
-        "kernels/points/parts/permute.cl", "kernels/points/padded-net.cl"})
-    text += embedded_text(path);
-  Device& device = test::device();
-  cl::Kernel kernel(device.build({"second", text + body, "-cl-std=CL1.2 -w"}).program, "second");
-  const cl::Buffer in = device.upload(indices.data(), indices.size() * 8);
-  const cl::Buffer out = device.allocate(indices.size() * 8);
-  kernel.setArg(0, in);
-  kernel.setArg(1, out);
-  device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(indices.size()),
-                                      cl::NDRange(1));
-  std::vector<std::uint64_t> drawn(indices.size());
-  device.queue().enqueueReadBuffer(out, CL_TRUE, 0, drawn.size() * 8, drawn.data());
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    std::uint64_t expected = 0;
-    for (std::size_t k = 0; k < 32; ++k)
-      if ((indices[i] >> k & 1) != 0) expected ^= m.words[k * 2 + 1];
-    INFO("index " << indices[i]);
-    REQUIRE(drawn[i] == expected);
-  }
-}
-
-TEST_CASE("sides of cubes and grids nearest to a square are exact", "[unit]") {
-  for (const std::uint32_t dim : {1U, 2U, 3U, 5U, 10U, 30U})
-    for (std::uint64_t m = 1; std::pow(m, dim) <= 0x1p30; m += 1 + m / 64) {
-      std::uint64_t n = 1;
-      for (std::uint32_t j = 0; j < dim; ++j) n *= m;
-      REQUIRE(cube_side(n, dim) == m);
-      if (n > 1 && dim > 1) REQUIRE(cube_side(n - 1, dim) == m - 1);
-    }
-  for (std::uint64_t n = 1; n <= 5000; ++n) {
-    const Grid grid = nearest_square(n);
-    REQUIRE(std::uint64_t{grid.columns} * grid.rows == n);
-    for (std::uint64_t a = grid.columns + 1; a * a <= n; ++a) REQUIRE(n % a != 0);
   }
 }
