@@ -10,14 +10,11 @@
 #include "tests/support.hpp"
 
 using namespace koksma;
+using test::has_property;
 
 namespace {
 
 constexpr std::uint32_t kReplicates = 10000;
-
-bool has_property(const Sampler& s, const char* property) {
-  return std::find(s.properties.begin(), s.properties.end(), property) != s.properties.end();
-}
 
 // Sets of n points, one per replicate.
 struct Replicates {

@@ -10,14 +10,11 @@
 #include "tests/support.hpp"
 
 using namespace koksma;
+using test::has_property;
 
 namespace {
 
 constexpr Precision kPrecisions[] = {Precision::fp32, Precision::fp64};
-
-bool has_property(const Sampler& s, const char* property) {
-  return std::find(s.properties.begin(), s.properties.end(), property) != s.properties.end();
-}
 
 // floor(x n) for x = k 2^-53, without rounding.
 std::uint64_t stratum(double x, std::uint64_t n) {
@@ -171,6 +168,25 @@ TEST_CASE(
     });
   }
   CHECK(found >= 1);
+}
+
+TEST_CASE("the first pair of 02 holds the points of sobol-owen in two dimensions", "[device]") {
+  // The two are one net under one scramble, in other orders.
+  for (const Precision precision : kPrecisions) {
+    std::set<std::pair<double, double>> sets[2];
+    for (const bool padded : {false, true}) {
+      const std::uint32_t dim = padded ? 5 : 2;
+      const auto x = test::points({.sampler = padded ? "02" : "sobol-owen",
+                                   .dim = dim,
+                                   .precision = precision,
+                                   .count = 1024,
+                                   .replicate = 3,
+                                   .n = 1024});
+      for (std::size_t i = 0; i < 1024; ++i) sets[padded].emplace(x[i * dim], x[i * dim + 1]);
+    }
+    CHECK(sets[0].size() == 1024);
+    CHECK(sets[0] == sets[1]);
+  }
 }
 
 TEST_CASE(

@@ -4,7 +4,9 @@
 // KOKSMA_MULTIJITTER_CORRELATED 0: another p for every column and q for every row (Chiu, Shirley & Wang, Multi-jittered
 //   sampling, Graphics Gems IV, 1994).
 // KOKSMA_MULTIJITTER_CORRELATED 1: one p and one q for all (Kensler, Correlated multi-jittered sampling, Pixar 13-01,
-//   2013), with true permutations instead of Kensler's hash.
+//   2013), with true permutations instead of Kensler's hash. All points of a row then share their place in the columns,
+//   which does not average out along the row: at d = 2 errors of smooth integrands fall as N^-3/4, not as N^-1 (measured
+//   -0.74 against -1.05, 2026-11-24).
 // The cells of every pair come in a random order of its own; an odd last dimension has N strata in random order.
 // Table: [0] a, [1] b; then per replicate and pair the keys and steps of order, p and q: [pair][3][2].
 typedef struct {
