@@ -157,13 +157,15 @@ TEST_CASE("disk sets keep the distance that they declare, in every copy", "[devi
     const std::string name = with_points(s, "1024");
     const std::uint64_t size = set_size(name);
     const double declared = s.options["minimum_distance"];
-    for (const std::uint64_t tile : {0U, 1U, 5U})
+    for (const std::uint64_t tile : {0U, 1U, 5U}) {
+      if (tile > 0 && !s.extensible) continue;  // each N is a set of its own
       for (const std::uint32_t r : {0U, 3U}) {
         const double least = minimum_distance(points(
             {.sampler = name, .dim = 2, .start = tile * size, .count = size, .replicate = r}));
         INFO(name << ": " << least * std::sqrt(static_cast<double>(size)));
-        CHECK(least * std::sqrt(static_cast<double>(size)) >= declared);
+        CHECK(least * std::sqrt(static_cast<double>(size)) >= declared * (1 - 1e-7));  // 32 bits
       }
+    }
   }
   CHECK(tested >= 2);
 }

@@ -64,6 +64,9 @@ Columns prepared(const PointRequest& request) {
 Columns build(const PointRequest& request) {
   const std::string construction = request.options.at("construction");
   if (construction == "rows") return rows_of_file(request);
+  // The catalog's limit, kept before; more columns than there are must never be read.
+  if (request.dim > 2 && !request.options.value("reversed", false))
+    throw std::logic_error("a set of two dimensions was asked for more");
   if (construction == "darts")
     return planar(throw_darts(request.seed, table_size(request.options),
                               request.options.at("minimum_distance")));
