@@ -106,8 +106,8 @@ TEST_CASE("best candidates are Mitchell's: the farthest of n + 1, by brute force
         best = {words[0], words[1]};
       }
       expected.push_back(best);
-      REQUIRE(set[2 * n] == std::ldexp(best[0], -32));
-      REQUIRE(set[2 * n + 1] == std::ldexp(best[1], -32));
+      REQUIRE(set[std::size_t{2} * n] == std::ldexp(best[0], -32));
+      REQUIRE(set[std::size_t{2} * n + 1] == std::ldexp(best[1], -32));
     }
   }
 }

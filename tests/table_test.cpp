@@ -83,8 +83,9 @@ struct Spectrum {
   double mean(double low, double high) const {
     double sum = 0, count = 0;
     for (std::size_t k = 0; k < power.size(); ++k) {
-      const double f = static_cast<double>(k / (2 * most + 1));
-      const double g = static_cast<double>(k % (2 * most + 1)) - static_cast<double>(most);
+      const std::size_t row = k / (2 * most + 1), column = k % (2 * most + 1);
+      const auto f = static_cast<double>(row);
+      const double g = static_cast<double>(column) - static_cast<double>(most);
       const double radius = std::hypot(f, g);
       if (radius <= low || radius > high) continue;
       sum += power[k] / sets;
@@ -144,7 +145,8 @@ TEST_CASE("dart throwing keeps 0.7 / sqrt(n) between the first n points, for eve
     for (std::size_t i = 0; i < 2048; i += 2) {
       for (std::size_t j = 0; j < i; j += 2)
         least = std::min(least, std::hypot(circle(xy[i], xy[j]), circle(xy[i + 1], xy[j + 1])));
-      REQUIRE(least * std::sqrt(static_cast<double>(i / 2 + 1)) >= 0.7);
+      const std::size_t n = i / 2 + 1;
+      REQUIRE(least * std::sqrt(static_cast<double>(n)) >= 0.7);
     }
   }
 }

@@ -41,9 +41,9 @@ struct NpyHeader {
 NpyHeader read_npy_header(const std::string& path, const std::string& text) {
   if (text.size() < 12 || text.compare(0, 6, "\x93NUMPY") != 0)
     throw InputError(path, "no NumPy file", "a .npy file begins with \\x93NUMPY");
-  const int version = text[6];
+  const int version = static_cast<unsigned char>(text[6]);
   if (version != 1 && version != 2)
-    refuse_header(path, fmt::format("version {}.{}", version, static_cast<int>(text[7])),
+    refuse_header(path, fmt::format("version {}.{}", version, static_cast<unsigned char>(text[7])),
                   "versions 1.0 and 2.0 are read");
   const std::size_t length_bytes = version == 1 ? 2 : 4;
   NpyHeader header;

@@ -62,8 +62,7 @@ Preparation phase_groups(const PointRequest& request, std::uint64_t size) {
       at = other;
     }
     // 2^65 / G^2, the square of sqrt(2) / G in units of 2^-32.
-    const std::uint64_t squared =
-        static_cast<std::uint64_t>((static_cast<unsigned __int128>(1) << 65) / (grid * grid));
+    const std::uint64_t squared = ~std::uint64_t{0} / (grid * grid) * 2;
     for (std::uint64_t trial = 0; trial < kTrials; ++trial)
       for (const std::uint64_t phase : shuffled_phases(request.seed, step))
         work.launches.push_back(

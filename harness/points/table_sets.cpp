@@ -32,7 +32,7 @@ class Grid {
     const std::uint64_t y0 = cell(y) + side_ - std::min(radius, side_);
     for (std::uint64_t row = 0; row < reach; ++row)
       for (std::uint64_t column = 0; column < reach; ++column)
-        for (const std::uint32_t i : cells_[(y0 + row) % side_ * side_ + (x0 + column) % side_])
+        for (const std::size_t i : cells_[(y0 + row) % side_ * side_ + (x0 + column) % side_])
           if (squared_on_circle(x, high(2 * i)) + squared_on_circle(y, high(2 * i + 1)) < squared)
             return true;
     return false;
