@@ -31,6 +31,7 @@
 // Levels there can be, and one: B >= 23, indices below 2^52.
 #define KOKSMA_HALTON_LEVELS 14
 
+// 64-bit words in both precisions.
 #if KOKSMA_LANES_PER_ITEM == 1
 typedef ulong words64;
 #define KOKSMA_TO_WORDS64 convert_ulong
@@ -162,6 +163,187 @@ static inline void rows_step(rows *f) {
 }
 #endif
 
+#if KOKSMA_HALTON_OWEN
+// Base 2 is parts/owen.cl's hash of the index, which is the reversed word of phi_2(i). In the other bases the digits of r
+// come from a table of nodes; on those of q, the same in all lanes, each lane walks on down the tree from its node.
+// A node's state is u: the point that ends there has it for its place in the node's interval, so its first base-b
+// digit is the node's permutation of 0. Digit a > 0 becomes that plus tau(a) mod b, tau a hashed permutation of
+// 1 ... b - 1, and leads to a node with a new, hashed u; digit 0 leads to frac(b u). So all nodes down the path of
+// zeros, infinitely many, cost nothing.
+// Table: heads [bases][6]: B, offset in the replicate, base, weights offset, -1/base mod 2^16, unused
+//   weights: floor(2^64 / (B b^n)), n = 0, 1, ...; per replicate: base 2: addend, factor; others: places t / B of the nodes
+//   [B + 15], their u [B + 15]. All but the heads are 64 bits, low half first.
+// Bases up to here rank hashes: any of the (b - 1)! orders.
+#define KOKSMA_HALTON_RANKED 19
+
+typedef struct {
+  __global const ulong *nodes[KOKSMA_DIM];
+  __global const ulong *weights[KOKSMA_DIM];
+  ulong q[KOKSMA_DIM];
+  uint r[KOKSMA_DIM], size[KOKSMA_DIM], base[KOKSMA_DIM], inverse[KOKSMA_DIM];
+  ulong index;
+  uint dim;
+#if KOKSMA_HALTON_HAMMERSLEY
+  rows rows;
+#endif
+} points;
+
+static inline void points_seek(points *p, __global const word *table, ulong first, ulong n, ulong seed, uint replicate,
+                               uint lane) {
+  __global const word *heads = table + table[1];
+  __global const word *own = table + table[2] + (ulong)replicate * table[0];
+  p->index = first + lane;
+  p->dim = 0;
+  KOKSMA_UNROLL
+  for (uint d = 0; d < KOKSMA_HALTON_BASES; ++d) {
+    p->size[d] = (uint)heads[6 * d];
+    p->nodes[d] = (__global const ulong *)(own + heads[6 * d + 1]);
+    p->base[d] = (uint)heads[6 * d + 2];
+    p->weights[d] = (__global const ulong *)(table + heads[6 * d + 3]);
+    p->inverse[d] = (uint)heads[6 * d + 4];
+    p->q[d] = p->index / p->size[d];
+    p->r[d] = (uint)(p->index - p->q[d] * p->size[d]);
+  }
+#if KOKSMA_HALTON_HAMMERSLEY
+  rows_seek(&p->rows, table + table[3], first, seed, replicate, lane);
+#endif
+}
+
+// floor(x y / 2^64), less at most 2: without the product of the low halves and two carries.
+static inline words64 multiply_high(words64 x, ulong y) {
+  const words64 high = x >> 32, low = x & 0xFFFFFFFFUL;
+  const ulong upper = y >> 32, lower = y & 0xFFFFFFFFUL;
+  return high * upper + (high * lower >> 32) + (low * upper >> 32);
+}
+
+// Lanes of b where a < b counted up: 1, else 0.
+static inline words32 count_less(words32 a, words32 b) {
+#if KOKSMA_LANES_PER_ITEM == 1
+  return a < b;
+#else
+  return 0 - KOKSMA_PASTE(as_uint, KOKSMA_LANES_PER_ITEM)(a < b);
+#endif
+}
+
+// tau(a) = the rank of hash a among hashes 1 ... b - 1, ties by number: the hashes are linear in the 64 bits of the key
+// with constants of no structure. Chi-squared of all 6! orders and of pairs and triples: tests/halton_test.cpp.
+static inline words32 ranked(words32 key0, words32 key1, uint a, uint base) {
+  const uint step0 = 0x9E3779B1u, step1 = 0x85EBCA77u;
+  uint factor0 = 0x2545F491u, factor1 = 0xC2B2AE3Du;
+  uint own0 = factor0, own1 = factor1;
+  for (uint c = 1; c < a; ++c) {
+    own0 = own0 * 0x915F77F5u + step0 * 2;
+    own1 = own1 * 0xADB4A92Du + step1 - 1;
+  }
+  const words32 own = key0 * own0 + key1 * own1;
+  words32 rank = (words32)1;
+  for (uint c = 1; c < base; ++c) {
+    const words32 other = key0 * factor0 + key1 * factor1;
+    if (c < a) rank += 1 - count_less(own, other);
+    if (c > a) rank += count_less(other, own);
+    factor0 = factor0 * 0x915F77F5u + step0 * 2;
+    factor1 = factor1 * 0xADB4A92Du + step1 - 1;
+  }
+  return rank;
+}
+
+// A bijection of 1 ... b - 1 from three kinds of steps that do not commute: rotation mod b - 1, XOR with a key where
+// that stays below b - 1, multiplication by a key mod b (Montgomery's, whose factor 2^-16 is one more of them). The last
+// factor is uniform, so tau(a) is; pairs and triples: tests/halton_test.cpp.
+static inline words32 multiplied(words32 key0, words32 key1, uint a, uint base, uint inverse) {
+  const uint n = base - 1, digits = (1u << (32 - clz(n))) - 1;
+  words32 x = (words32)(a - 1), key = key0;
+  for (uint layer = 0; layer < 3; ++layer) {
+    x += ((key * 0x85EBCA77u) >> 16) * n >> 16;
+    x = min(x, x - n);
+    const words32 flipped = x ^ (key & digits);
+    const words32 stays = 0 - count_less(flipped, (words32)n);
+    x ^= (key & digits) & stays;
+    words32 factor = 1 + ((key >> 16) * n >> 16);
+    if (layer == 2) factor = 1 + ((key1 >> 16) * n + ((key1 & 0xFFFFu) * n >> 16) >> 16);
+    const words32 product = (x + 1) * factor;
+    x = (product + (product * inverse & 0xFFFFu) * base) >> 16;
+    x = min(x, x - base) - 1;
+    key = (key ^ key1) * (0x9E3779B1u + layer * 0x86BE1D60u);
+    key ^= key >> 15;
+  }
+  return x + 1;
+}
+
+// Words of the lanes whose node is (value, u) after the digits of r and that go on with those of q.
+static inline words64 walk(words64 value, words64 u, ulong q, uint base, uint inverse, __global const ulong *weights) {
+  for (; q != 0; q /= base) {
+    const uint a = (uint)(q % base);
+    const words64 zero = ((u >> 32) * base + ((u & 0xFFFFFFFFUL) * base >> 32)) >> 32;
+    ++weights;
+    if (a == 0) {
+      value += zero * weights[0];
+      u *= base;
+      continue;
+    }
+    words64 key = (u ^ u >> 29) * 0xD6E8FEB86659FD93UL;
+    key ^= key >> 32;
+    const words32 key0 = KOKSMA_TO_WORDS32(key), key1 = KOKSMA_TO_WORDS32(key >> 32);
+    words32 tau;
+    if (base <= KOKSMA_HALTON_RANKED)
+      tau = ranked(key0, key1, a, base);
+    else
+      tau = multiplied(key0, key1, a, base, inverse);
+    tau += KOKSMA_TO_WORDS32(zero);
+    value += KOKSMA_TO_WORDS64(min(tau, tau - base)) * weights[0];
+    // splitmix64's finalizer (Steele, Lea & Flood 2014), one increment per digit.
+    u += a * 0x9E3779B97F4A7C15UL;
+    u = (u ^ u >> 30) * 0xBF58476D1CE4E5B9UL;
+    u = (u ^ u >> 27) * 0x94D049BB133111EBUL;
+    u ^= u >> 31;
+  }
+  return value + multiply_high(u, weights[0]);
+}
+
+static inline real points_next(points *p) {
+  uint d = p->dim++;
+#if KOKSMA_HALTON_HAMMERSLEY
+  if (d == 0) return rows_coordinate(&p->rows);
+  --d;
+#endif
+  if (d == 0) {
+    const bits index = KOKSMA_TO_BITS(lane_numbers()) + (word)p->index;
+    return unit_from_word(reverse_bits(owen_hash(index, (word)p->nodes[0][0], (word)p->nodes[0][1])));
+  }
+  const uint r = p->r[d], size = p->size[d];
+  const words64 value = load_lanes(p->nodes[d] + r);
+  const words64 u = load_lanes(p->nodes[d] + size + KOKSMA_LANES - 1 + r);
+  words64 w = (words64)0;
+  // Lanes before the wrap, then, if there is one, those beyond it.
+  words64 chosen = KOKSMA_AS_WORDS64(KOKSMA_AS_SIGNED64(KOKSMA_TO_WORDS64(lane_numbers()) - (size - r)) >> 63);
+  for (uint pass = 0; pass < 2; ++pass) {
+    w |= walk(value, u, p->q[d] + pass, p->base[d], p->inverse[d], p->weights[d]) & chosen;
+    if (r + KOKSMA_LANES_PER_ITEM <= size) break;
+    chosen ^= 0xFFFFFFFFFFFFFFFFUL;
+  }
+#if KOKSMA_FP64
+  return unit_from_word(w);
+#else
+  return unit_from_word(KOKSMA_TO_WORDS32(w >> 32));
+#endif
+}
+
+static inline void points_step(points *p) {
+  p->index += KOKSMA_LANES;
+  p->dim = 0;
+  KOKSMA_UNROLL
+  for (uint d = 1; d < KOKSMA_HALTON_BASES; ++d) {
+    p->r[d] += KOKSMA_LANES;
+    if (p->r[d] >= p->size[d]) {
+      p->r[d] -= p->size[d];
+      ++p->q[d];
+    }
+  }
+#if KOKSMA_HALTON_HAMMERSLEY
+  rows_step(&p->rows);
+#endif
+}
+#else
 typedef struct {
   __global const word *low[KOKSMA_DIM];  // T
   word now[KOKSMA_DIM], next[KOKSMA_DIM];  // the words of q and q + 1
@@ -304,5 +486,7 @@ static inline void points_step(points *p) {
   rows_step(&p->rows);
 #endif
 }
+
+#endif
 
 static inline uint points_drawn(const points *p) { return p->dim; }
