@@ -170,17 +170,22 @@ static inline void rows_step(rows *f) {
 // digit is the node's permutation of 0. Digit a > 0 becomes that plus tau(a) mod b, tau a hashed permutation of
 // 1 ... b - 1, and leads to a node with a new, hashed u; digit 0 leads to frac(b u). So all nodes down the path of
 // zeros, infinitely many, cost nothing.
-// Table: heads [bases][6]: B, offset in the replicate, base, weights offset, -1/base mod 2^16, unused
+// Table: heads [bases][6]: B, offset in the replicate, base, weights offset, -1/base mod 2^16,
+//   0 if no index of the set goes beyond B, else 1
 //   weights: floor(2^64 / (B b^n)), n = 0, 1, ...; per replicate: base 2: addend, factor; others: places t / B of the nodes
-//   [B + 15], their u [B + 15]. All but the heads are 64 bits, low half first.
-// Bases up to here rank hashes: any of the (b - 1)! orders.
-#define KOKSMA_HALTON_RANKED 19
+//   [B + 15], their u [B + 15], then up to base 17 their tau [B + 15], tau(a) - 1 in bits 4 (a - 1) on; from 19 on the
+//   replicate's shuffle of 1 ... b - 1 [b]. All but the heads are 64 bits, low half first.
+// Bases up to here shuffle at every node.
+#define KOKSMA_HALTON_PACKED 17
+// The low bits of a table node's u repeat its first digit.
+#define KOKSMA_HALTON_DIGIT 8191
 
 typedef struct {
   __global const ulong *nodes[KOKSMA_DIM];
   __global const ulong *weights[KOKSMA_DIM];
+  __global const word *constants;
   ulong q[KOKSMA_DIM];
-  uint r[KOKSMA_DIM], size[KOKSMA_DIM], base[KOKSMA_DIM], inverse[KOKSMA_DIM];
+  uint r[KOKSMA_DIM], size[KOKSMA_DIM], base[KOKSMA_DIM], inverse[KOKSMA_DIM], turn[KOKSMA_DIM];
   ulong index;
   uint dim;
 #if KOKSMA_HALTON_HAMMERSLEY
@@ -192,6 +197,7 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
                                uint lane) {
   __global const word *heads = table + table[1];
   __global const word *own = table + table[2] + (ulong)replicate * table[0];
+  p->constants = table + table[4];
   p->index = first + lane;
   p->dim = 0;
   KOKSMA_UNROLL
@@ -201,8 +207,10 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
     p->base[d] = (uint)heads[6 * d + 2];
     p->weights[d] = (__global const ulong *)(table + heads[6 * d + 3]);
     p->inverse[d] = (uint)heads[6 * d + 4];
-    p->q[d] = p->index / p->size[d];
-    p->r[d] = (uint)(p->index - p->q[d] * p->size[d]);
+    p->turn[d] = (uint)heads[6 * d + 5];
+    const ulong q = p->index / p->size[d];
+    p->q[d] = q * p->turn[d];
+    p->r[d] = (uint)(p->index - q * p->size[d]);
   }
 #if KOKSMA_HALTON_HAMMERSLEY
   rows_seek(&p->rows, table + table[3], first, seed, replicate, lane);
@@ -216,88 +224,91 @@ static inline words64 multiply_high(words64 x, ulong y) {
   return high * upper + (high * lower >> 32) + (low * upper >> 32);
 }
 
-// Lanes of b where a < b counted up: 1, else 0.
-static inline words32 count_less(words32 a, words32 b) {
+// All ones in the lanes where a < b, a == b.
 #if KOKSMA_LANES_PER_ITEM == 1
-  return a < b;
+static inline words32 less_lanes(words32 a, words32 b) { return 0 - (words32)(a < b); }
+static inline words32 equal_lanes(words32 a, words32 b) { return 0 - (words32)(a == b); }
 #else
-  return 0 - KOKSMA_PASTE(as_uint, KOKSMA_LANES_PER_ITEM)(a < b);
+#define KOKSMA_AS_LANES KOKSMA_PASTE(as_uint, KOKSMA_LANES_PER_ITEM)
+static inline words32 less_lanes(words32 a, words32 b) { return KOKSMA_AS_LANES(a < b); }
+static inline words32 equal_lanes(words32 a, words32 b) { return KOKSMA_AS_LANES(a == b); }
 #endif
+
+// j_i for step i < 31: the top 27 bits of a hash times i + 1.
+static inline words32 swap_of(words32 key0, words32 key1, uint i, __global const word *constants) {
+  const words32 h = (key1 ^ (uint)constants[2 * i]) * (uint)constants[2 * i + 1] + key0;
+  return (h >> 5) * (i + 1) >> 27;
 }
 
-// tau(a) = the rank of hash a among hashes 1 ... b - 1, ties by number: the hashes are linear in the 64 bits of the key
-// with constants of no structure. Chi-squared of all 6! orders and of pairs and triples: tests/halton_test.cpp.
-static inline words32 ranked(words32 key0, words32 key1, uint a, uint base) {
-  const uint step0 = 0x9E3779B1u, step1 = 0x85EBCA77u;
-  uint factor0 = 0x2545F491u, factor1 = 0xC2B2AE3Du;
-  uint own0 = factor0, own1 = factor1;
-  for (uint c = 1; c < a; ++c) {
-    own0 = own0 * 0x915F77F5u + step0 * 2;
-    own1 = own1 * 0xADB4A92Du + step1 - 1;
-  }
-  const words32 own = key0 * own0 + key1 * own1;
-  words32 rank = (words32)1;
-  for (uint c = 1; c < base; ++c) {
-    const words32 other = key0 * factor0 + key1 * factor1;
-    if (c < a) rank += 1 - count_less(own, other);
-    if (c > a) rank += count_less(other, own);
-    factor0 = factor0 * 0x915F77F5u + step0 * 2;
-    factor1 = factor1 * 0xADB4A92Du + step1 - 1;
-  }
-  return rank;
+// Where tau(a) of a shuffle of 1 ... b - 1 is: step i = 0 ... b - 2 of Fisher and Yates swaps places i and j_i <= i, so
+// a - 1 goes to j_(a-1) and then wherever a later step takes it. Hash constants without structure: [i][2].
+static inline words32 shuffled(words32 key0, words32 key1, uint a, uint base, __global const word *constants) {
+  words32 place = swap_of(key0, key1, a - 1, constants);
+  for (uint i = a; i + 1 < base; ++i) place ^= (place ^ i) & equal_lanes(place, swap_of(key0, key1, i, constants));
+  return place + 1;
 }
 
-// A bijection of 1 ... b - 1 from three kinds of steps that do not commute: rotation mod b - 1, XOR with a key where
-// that stays below b - 1, multiplication by a key mod b (Montgomery's, whose factor 2^-16 is one more of them). The last
-// factor is uniform, so tau(a) is; pairs and triples: tests/halton_test.cpp.
+// Larger bases: a, by the replicate's shuffle of 1 ... b - 1, then three keyed bijections that do not commute: rotation mod
+// b - 1, XOR where that stays below b - 1, a uniform factor mod b (Montgomery's product, whose 2^-16 is one more
+// factor). The shuffle makes every order equally likely at a node, the factors make nodes independent.
 static inline words32 multiplied(words32 key0, words32 key1, uint a, uint base, uint inverse) {
   const uint n = base - 1, digits = (1u << (32 - clz(n))) - 1;
-  words32 x = (words32)(a - 1), key = key0;
-  for (uint layer = 0; layer < 3; ++layer) {
-    x += ((key * 0x85EBCA77u) >> 16) * n >> 16;
-    x = min(x, x - n);
-    const words32 flipped = x ^ (key & digits);
-    const words32 stays = 0 - count_less(flipped, (words32)n);
-    x ^= (key & digits) & stays;
-    words32 factor = 1 + ((key >> 16) * n >> 16);
-    if (layer == 2) factor = 1 + ((key1 >> 16) * n + ((key1 & 0xFFFFu) * n >> 16) >> 16);
-    const words32 product = (x + 1) * factor;
-    x = (product + (product * inverse & 0xFFFFu) * base) >> 16;
-    x = min(x, x - base) - 1;
-    key = (key ^ key1) * (0x9E3779B1u + layer * 0x86BE1D60u);
-    key ^= key >> 15;
-  }
-  return x + 1;
+  words32 x = a - 1 + ((key0 >> 16) * n >> 16);
+  x = min(x, x - n);
+  const words32 flip = key0 & digits;
+  x ^= flip & less_lanes(x ^ flip, (words32)n);
+  const words32 factor = 1 + (((key1 >> 16) * n + ((key1 & 0xFFFFu) * n >> 16)) >> 16);
+  const words32 product = (x + 1) * factor;
+  x = (product + (product * inverse & 0xFFFFu) * base) >> 16;
+  return min(x, x - base);
 }
 
-// Words of the lanes whose node is (value, u) after the digits of r and that go on with those of q.
-static inline words64 walk(words64 value, words64 u, ulong q, uint base, uint inverse, __global const ulong *weights) {
-  for (; q != 0; q /= base) {
-    const uint a = (uint)(q % base);
-    const words64 zero = ((u >> 32) * base + ((u & 0xFFFFFFFFUL) * base >> 32)) >> 32;
+// floor(b u / 2^64), b < 2^13.
+static inline words64 first_digit(words64 u, uint base) {
+  return ((u >> 32) * base + ((u & 0xFFFFFFFFUL) * base >> 32)) >> 32;
+}
+
+// Words of the lanes that come from places `value` and u of table nodes and go on with the digits of q > 0. `more`: their
+// packed permutations, or the replicate's shuffle.
+static inline words64 walk(const points *p, uint d, words64 value, words64 u, ulong q, __global const ulong *more) {
+  const uint base = p->base[d];
+  __global const ulong *weights = p->weights[d];
+  const bool packed = base <= KOKSMA_HALTON_PACKED;
+  words64 zero = u & KOKSMA_HALTON_DIGIT;
+  for (bool first = true;; first = false) {
+    const ulong rest = q / base;
+    const uint a = (uint)(q - rest * base);
+    q = rest;
     ++weights;
     if (a == 0) {
       value += zero * weights[0];
       u *= base;
-      continue;
+    } else {
+      words64 key = (u ^ u >> 32) * 0xD6E8FEB86659FD93UL;
+      key ^= key >> 32;
+      words64 tau;
+      if (packed && first) {
+        tau = (load_lanes(more) >> (4 * (a - 1)) & 15) + 1;
+      } else {
+        const words32 key0 = KOKSMA_TO_WORDS32(key), key1 = KOKSMA_TO_WORDS32(key >> 32);
+        words32 hashed;
+        if (packed)
+          hashed = shuffled(key0, key1, a, base, p->constants);
+        else
+          hashed = multiplied(key0, key1, (uint)more[a], base, p->inverse[d]);
+        tau = KOKSMA_TO_WORDS64(hashed);
+      }
+      tau += zero;
+      value += min(tau, tau - base) * weights[0];
+      // Another factor for every digit: no two children are the same function of the key.
+      ulong digit = a * 0x9E3779B97F4A7C15UL;
+      digit = (digit ^ digit >> 29) * 0xBF58476D1CE4E5B9UL;
+      u = (key ^ digit >> 7) * (digit | 1);
+      u ^= u >> 29;
     }
-    words64 key = (u ^ u >> 29) * 0xD6E8FEB86659FD93UL;
-    key ^= key >> 32;
-    const words32 key0 = KOKSMA_TO_WORDS32(key), key1 = KOKSMA_TO_WORDS32(key >> 32);
-    words32 tau;
-    if (base <= KOKSMA_HALTON_RANKED)
-      tau = ranked(key0, key1, a, base);
-    else
-      tau = multiplied(key0, key1, a, base, inverse);
-    tau += KOKSMA_TO_WORDS32(zero);
-    value += KOKSMA_TO_WORDS64(min(tau, tau - base)) * weights[0];
-    // splitmix64's finalizer (Steele, Lea & Flood 2014), one increment per digit.
-    u += a * 0x9E3779B97F4A7C15UL;
-    u = (u ^ u >> 30) * 0xBF58476D1CE4E5B9UL;
-    u = (u ^ u >> 27) * 0x94D049BB133111EBUL;
-    u ^= u >> 31;
+    if (q == 0) return value + multiply_high(u, weights[0]);
+    zero = first_digit(u, base);
   }
-  return value + multiply_high(u, weights[0]);
 }
 
 static inline real points_next(points *p) {
@@ -310,16 +321,26 @@ static inline real points_next(points *p) {
     const bits index = KOKSMA_TO_BITS(lane_numbers()) + (word)p->index;
     return unit_from_word(reverse_bits(owen_hash(index, (word)p->nodes[0][0], (word)p->nodes[0][1])));
   }
-  const uint r = p->r[d], size = p->size[d];
-  const words64 value = load_lanes(p->nodes[d] + r);
-  const words64 u = load_lanes(p->nodes[d] + size + KOKSMA_LANES - 1 + r);
-  words64 w = (words64)0;
-  // Lanes before the wrap, then, if there is one, those beyond it.
-  words64 chosen = KOKSMA_AS_WORDS64(KOKSMA_AS_SIGNED64(KOKSMA_TO_WORDS64(lane_numbers()) - (size - r)) >> 63);
-  for (uint pass = 0; pass < 2; ++pass) {
-    w |= walk(value, u, p->q[d] + pass, p->base[d], p->inverse[d], p->weights[d]) & chosen;
-    if (r + KOKSMA_LANES_PER_ITEM <= size) break;
-    chosen ^= 0xFFFFFFFFFFFFFFFFUL;
+  const uint r = p->r[d], size = p->size[d], stride = size + KOKSMA_LANES - 1;
+  const words64 value = load_lanes(p->nodes[d] + r), u = load_lanes(p->nodes[d] + stride + r);
+  __global const ulong *more = p->nodes[d] + 2 * stride;
+  if (p->base[d] <= KOKSMA_HALTON_PACKED) more += r;
+  // Lanes beyond the wrap, if there are any, have q + 1.
+  words64 w = value;
+  const bool wraps = r + KOKSMA_LANES_PER_ITEM > size && p->turn[d] != 0;
+  for (ulong q = p->q[d];; ++q) {
+    words64 v;
+    if (q == 0)
+      v = value + multiply_high(u, p->weights[d][0]);
+    else
+      v = walk(p, d, value, u, q, more);
+    if (q == p->q[d]) {
+      w = v;
+      if (!wraps) break;
+    } else {
+      w ^= (w ^ v) & KOKSMA_AS_WORDS64(KOKSMA_AS_SIGNED64((ulong)(size - r - 1) - KOKSMA_TO_WORDS64(lane_numbers())) >> 63);
+      break;
+    }
   }
 #if KOKSMA_FP64
   return unit_from_word(w);
@@ -336,7 +357,7 @@ static inline void points_step(points *p) {
     p->r[d] += KOKSMA_LANES;
     if (p->r[d] >= p->size[d]) {
       p->r[d] -= p->size[d];
-      ++p->q[d];
+      p->q[d] += p->turn[d];
     }
   }
 #if KOKSMA_HALTON_HAMMERSLEY
