@@ -169,17 +169,15 @@ void push_nodes(Words& out, const Tree& tree) {
   for (std::uint32_t i = 0; i < padded; ++i) out.push(nodes[i % power.size].t);
   for (std::uint32_t i = 0; i < padded; ++i) out.push(nodes[i % power.size].uniform);
   if (power.size < whole.size) return;
-  if (tree.base > kPacked) {
-    for (const std::uint32_t a : shuffle(tree, kSharedShuffle)) out.push(a);
-    return;
-  }
   std::vector<std::uint64_t> packed(power.size, 0);
-  for (std::uint32_t r = 0; r < power.size; ++r) {
+  for (std::uint32_t r = 0; tree.base <= kPacked && r < power.size; ++r) {
     const std::vector<std::uint32_t> tau = shuffle(tree, draws + std::uint64_t{r} * tree.base);
     for (std::uint32_t a = 1; a < tree.base; ++a)
       packed[r] |= std::uint64_t{tau[a] - 1} << (4 * (a - 1));
   }
-  for (std::uint32_t i = 0; i < padded; ++i) out.push(packed[i % power.size]);
+  for (std::uint32_t i = 0; tree.base <= kPacked && i < padded; ++i)
+    out.push(packed[i % power.size]);
+  for (const std::uint32_t a : shuffle(tree, kSharedShuffle)) out.push(a);
 }
 
 // Of the kernel's shuffles, from the generator splitmix64 (Steele, Lea and Flood, OOPSLA 2014).

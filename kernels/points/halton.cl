@@ -31,138 +31,6 @@
 // Levels there can be, and one: B >= 23, indices below 2^52.
 #define KOKSMA_HALTON_LEVELS 14
 
-// 64-bit words in both precisions.
-#if KOKSMA_LANES_PER_ITEM == 1
-typedef ulong words64;
-#define KOKSMA_TO_WORDS64 convert_ulong
-#define KOKSMA_TO_WORDS32 convert_uint
-#define KOKSMA_AS_SIGNED64 as_long
-#define KOKSMA_AS_WORDS64 as_ulong
-#else
-typedef KOKSMA_PASTE(ulong, KOKSMA_LANES_PER_ITEM) words64;
-#define KOKSMA_TO_WORDS64 KOKSMA_PASTE(convert_ulong, KOKSMA_LANES_PER_ITEM)
-#define KOKSMA_TO_WORDS32 KOKSMA_PASTE(convert_uint, KOKSMA_LANES_PER_ITEM)
-#define KOKSMA_AS_SIGNED64 KOKSMA_PASTE(as_long, KOKSMA_LANES_PER_ITEM)
-#define KOKSMA_AS_WORDS64 KOKSMA_PASTE(as_ulong, KOKSMA_LANES_PER_ITEM)
-#endif
-
-#if KOKSMA_HALTON_HAMMERSLEY
-// floor(i 2^64 / N) by exact steps with a remainder; [offset]: N, the step of 16 indices and its remainder,
-// floor(2^64 / N), 64 - log2 N (0: no power of two), then quotient and remainder of 2^k, k = 0 ... 51.
-// All are 64 bits, low half first where words are 32.
-typedef struct {
-  words64 quotient, remainder;
-  ulong n, step, step_remainder, width;
-  uint shift;
-#if KOKSMA_HALTON_HAMMERSLEY == 2
-  words32 jitter[4], jitter_low[4];
-  ulong seed, index;
-  uint replicate;
-#endif
-} rows;
-
-static inline ulong rows_word(__global const word *table, uint k) {
-#if KOKSMA_FP64
-  return table[k];
-#else
-  return table[2 * k] | (ulong)table[2 * k + 1] << 32;
-#endif
-}
-
-// quotient + remainder / N += step + step_remainder / N
-static inline void rows_add(rows *f, words64 step, words64 step_remainder) {
-  f->quotient += step;
-  f->remainder += step_remainder;
-  // All ones where the remainder reaches N; N < 2^62.
-  const words64 below = KOKSMA_AS_WORDS64(KOKSMA_AS_SIGNED64(f->remainder - f->n) >> 63);
-  f->quotient += 1 + below;
-  f->remainder -= f->n - (below & f->n);
-}
-
-#if KOKSMA_HALTON_HAMMERSLEY == 2
-// One Philox block serves the indices i, i + 16, i + 32, i + 48 of a group of 64: output (i >> 4) & 3 of counter
-// (i >> 6) * 16 + (i & 15) is the high half of u_i, the same output of the next block the low half.
-static inline void rows_draw(rows *f) {
-  const ulong counter = f->index >> 6 << 4 | (f->index & 15);
-  const words32 low = lane_numbers() + (uint)counter, high = (words32)(uint)(counter >> 32);
-  const uint phase = f->index >> 4 & 3;
-  philox_rounds(low, high, f->seed, f->replicate, 7u << 24, f->jitter);
-#if KOKSMA_FP64
-  if (f->shift > 32) philox_rounds(low, high, f->seed, f->replicate, 7u << 24 | 1, f->jitter_low);
-#endif
-  for (uint k = 0; k < phase; ++k) {
-    for (uint c = 0; c < 3; ++c) {
-      f->jitter[c] = f->jitter[c + 1];
-      f->jitter_low[c] = f->jitter_low[c + 1];
-    }
-  }
-}
-#endif
-
-static inline void rows_seek(rows *f, __global const word *table, ulong first, ulong seed, uint replicate, uint lane) {
-  f->n = rows_word(table, 0);
-  f->step = rows_word(table, 1);
-  f->step_remainder = rows_word(table, 2);
-  f->width = rows_word(table, 3);
-  f->shift = (uint)rows_word(table, 4);
-  f->quotient = (words64)0;
-  f->remainder = (words64)0;
-  const words64 index = KOKSMA_TO_WORDS64(lane_numbers()) + (first + lane);
-  for (uint k = 0; k < 4; ++k) {
-    const words64 set = (words64)0 - (index >> k & 1);
-    rows_add(f, set & rows_word(table, 5 + 2 * k), set & rows_word(table, 6 + 2 * k));
-  }
-  for (uint k = 4; first >> k != 0; ++k)
-    if ((first >> k & 1) != 0) rows_add(f, (words64)rows_word(table, 5 + 2 * k), (words64)rows_word(table, 6 + 2 * k));
-#if KOKSMA_HALTON_HAMMERSLEY == 2
-  f->seed = seed;
-  f->replicate = replicate;
-  f->index = first + lane;
-  rows_draw(f);
-#endif
-}
-
-static inline real rows_coordinate(const rows *f) {
-  words64 w = f->quotient;
-#if KOKSMA_HALTON_HAMMERSLEY == 2
-  words64 u = KOKSMA_TO_WORDS64(f->jitter[0]);
-  if (f->shift > 32) {
-    u <<= 32;
-#if KOKSMA_FP64
-    u |= KOKSMA_TO_WORDS64(f->jitter_low[0]);
-#endif
-    w += u >> (64 - f->shift);
-  } else if (f->shift != 0) {
-    w += u >> (32 - f->shift);
-  } else {
-    // Rounded down twice, quotient + u / N stays below the true (i + u) / N. 32 bits of u in both precisions: a low
-    // half could carry into fp32's bits.
-    w += u * (f->width >> 32) + (u * (f->width & 0xFFFFFFFFUL) >> 32);
-  }
-#endif
-#if KOKSMA_FP64
-  return unit_from_word(w);
-#else
-  return unit_from_word(KOKSMA_TO_WORDS32(w >> 32));
-#endif
-}
-
-static inline void rows_step(rows *f) {
-  rows_add(f, (words64)f->step, (words64)f->step_remainder);
-#if KOKSMA_HALTON_HAMMERSLEY == 2
-  f->index += KOKSMA_LANES;
-  if ((f->index & 48) == 0) {
-    rows_draw(f);
-  } else {
-    for (uint c = 0; c < 3; ++c) {
-      f->jitter[c] = f->jitter[c + 1];
-      f->jitter_low[c] = f->jitter_low[c + 1];
-    }
-  }
-#endif
-}
-#endif
-
 #if KOKSMA_HALTON_OWEN
 // Base 2 is parts/owen.cl's hash of the index, which is the reversed word of phi_2(i). In the other bases the digits of r
 // come from a table of nodes; on those of q, the same in all lanes, each lane walks on down the tree from its node.
@@ -173,10 +41,11 @@ static inline void rows_step(rows *f) {
 // Table: heads [bases][6]: B, offset in the replicate, base, weights offset, -1/base mod 2^16,
 //   0 if no index of the set goes beyond B, else 1
 //   weights: floor(2^64 / (B b^n)), n = 0, 1, ...; per replicate: base 2: addend, factor; others: places t / B of the nodes
-//   [B + 15], their u [B + 15], then up to base 17 their tau [B + 15], tau(a) - 1 in bits 4 (a - 1) on; from 19 on the
+//   [B + 15], their u [B + 15], then up to base 17 their tau [B + 15], tau(a) - 1 in bits 4 (a - 1) on; then the
 //   replicate's shuffle of 1 ... b - 1 [b]. All but the heads are 64 bits, low half first.
-// Bases up to here shuffle at every node.
+// Bases up to here have a table of the nodes' permutations, and up to here shuffle by hashes at deeper nodes too.
 #define KOKSMA_HALTON_PACKED 17
+#define KOKSMA_HALTON_SHUFFLED 7
 // The low bits of a table node's u repeat its first digit.
 #define KOKSMA_HALTON_DIGIT 8191
 
@@ -217,63 +86,20 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
 #endif
 }
 
-// floor(x y / 2^64), less at most 2: without the product of the low halves and two carries.
-static inline words64 multiply_high(words64 x, ulong y) {
-  const words64 high = x >> 32, low = x & 0xFFFFFFFFUL;
-  const ulong upper = y >> 32, lower = y & 0xFFFFFFFFUL;
-  return high * upper + (high * lower >> 32) + (low * upper >> 32);
-}
-
-// All ones in the lanes where a < b, a == b.
-#if KOKSMA_LANES_PER_ITEM == 1
-static inline words32 less_lanes(words32 a, words32 b) { return 0 - (words32)(a < b); }
-static inline words32 equal_lanes(words32 a, words32 b) { return 0 - (words32)(a == b); }
-#else
-#define KOKSMA_AS_LANES KOKSMA_PASTE(as_uint, KOKSMA_LANES_PER_ITEM)
-static inline words32 less_lanes(words32 a, words32 b) { return KOKSMA_AS_LANES(a < b); }
-static inline words32 equal_lanes(words32 a, words32 b) { return KOKSMA_AS_LANES(a == b); }
-#endif
-
-// j_i for step i < 31: the top 27 bits of a hash times i + 1.
-static inline words32 swap_of(words32 key0, words32 key1, uint i, __global const word *constants) {
-  const words32 h = (key1 ^ (uint)constants[2 * i]) * (uint)constants[2 * i + 1] + key0;
-  return (h >> 5) * (i + 1) >> 27;
-}
-
-// Where tau(a) of a shuffle of 1 ... b - 1 is: step i = 0 ... b - 2 of Fisher and Yates swaps places i and j_i <= i, so
-// a - 1 goes to j_(a-1) and then wherever a later step takes it. Hash constants without structure: [i][2].
-static inline words32 shuffled(words32 key0, words32 key1, uint a, uint base, __global const word *constants) {
-  words32 place = swap_of(key0, key1, a - 1, constants);
-  for (uint i = a; i + 1 < base; ++i) place ^= (place ^ i) & equal_lanes(place, swap_of(key0, key1, i, constants));
-  return place + 1;
-}
-
-// Larger bases: a, by the replicate's shuffle of 1 ... b - 1, then three keyed bijections that do not commute: rotation mod
-// b - 1, XOR where that stays below b - 1, a uniform factor mod b (Montgomery's product, whose 2^-16 is one more
-// factor). The shuffle makes every order equally likely at a node, the factors make nodes independent.
-static inline words32 multiplied(words32 key0, words32 key1, uint a, uint base, uint inverse) {
-  const uint n = base - 1, digits = (1u << (32 - clz(n))) - 1;
-  words32 x = a - 1 + ((key0 >> 16) * n >> 16);
-  x = min(x, x - n);
-  const words32 flip = key0 & digits;
-  x ^= flip & less_lanes(x ^ flip, (words32)n);
-  const words32 factor = 1 + (((key1 >> 16) * n + ((key1 & 0xFFFFu) * n >> 16)) >> 16);
-  const words32 product = (x + 1) * factor;
-  x = (product + (product * inverse & 0xFFFFu) * base) >> 16;
-  return min(x, x - base);
-}
-
 // floor(b u / 2^64), b < 2^13.
 static inline words64 first_digit(words64 u, uint base) {
   return ((u >> 32) * base + ((u & 0xFFFFFFFFUL) * base >> 32)) >> 32;
 }
 
-// Words of the lanes that come from places `value` and u of table nodes and go on with the digits of q > 0. `more`: their
-// packed permutations, or the replicate's shuffle.
-static inline words64 walk(const points *p, uint d, words64 value, words64 u, ulong q, __global const ulong *more) {
+// Words of the lanes that come from places `value` and u of table nodes and go on with the digits of q > 0.
+static inline words64 walk(const points *p, uint d, words64 value, words64 u, ulong q) {
   const uint base = p->base[d];
   __global const ulong *weights = p->weights[d];
   const bool packed = base <= KOKSMA_HALTON_PACKED;
+  const uint stride = p->size[d] + KOKSMA_LANES - 1;
+  __global const ulong *shuffle = p->nodes[d] + 2 * stride;
+  __global const ulong *orders = shuffle + p->r[d];
+  if (packed) shuffle += stride;
   words64 zero = u & KOKSMA_HALTON_DIGIT;
   for (bool first = true;; first = false) {
     const ulong rest = q / base;
@@ -288,14 +114,14 @@ static inline words64 walk(const points *p, uint d, words64 value, words64 u, ul
       key ^= key >> 32;
       words64 tau;
       if (packed && first) {
-        tau = (load_lanes(more) >> (4 * (a - 1)) & 15) + 1;
+        tau = (load_lanes(orders) >> (4 * (a - 1)) & 15) + 1;
       } else {
         const words32 key0 = KOKSMA_TO_WORDS32(key), key1 = KOKSMA_TO_WORDS32(key >> 32);
         words32 hashed;
-        if (packed)
+        if (base <= KOKSMA_HALTON_SHUFFLED)
           hashed = shuffled(key0, key1, a, base, p->constants);
         else
-          hashed = multiplied(key0, key1, (uint)more[a], base, p->inverse[d]);
+          hashed = multiplied(key0, key1, (uint)shuffle[a], base, p->inverse[d]);
         tau = KOKSMA_TO_WORDS64(hashed);
       }
       tau += zero;
@@ -304,7 +130,6 @@ static inline words64 walk(const points *p, uint d, words64 value, words64 u, ul
       ulong digit = a * 0x9E3779B97F4A7C15UL;
       digit = (digit ^ digit >> 29) * 0xBF58476D1CE4E5B9UL;
       u = (key ^ digit >> 7) * (digit | 1);
-      u ^= u >> 29;
     }
     if (q == 0) return value + multiply_high(u, weights[0]);
     zero = first_digit(u, base);
@@ -323,8 +148,6 @@ static inline real points_next(points *p) {
   }
   const uint r = p->r[d], size = p->size[d], stride = size + KOKSMA_LANES - 1;
   const words64 value = load_lanes(p->nodes[d] + r), u = load_lanes(p->nodes[d] + stride + r);
-  __global const ulong *more = p->nodes[d] + 2 * stride;
-  if (p->base[d] <= KOKSMA_HALTON_PACKED) more += r;
   // Lanes beyond the wrap, if there are any, have q + 1.
   words64 w = value;
   const bool wraps = r + KOKSMA_LANES_PER_ITEM > size && p->turn[d] != 0;
@@ -333,7 +156,7 @@ static inline real points_next(points *p) {
     if (q == 0)
       v = value + multiply_high(u, p->weights[d][0]);
     else
-      v = walk(p, d, value, u, q, more);
+      v = walk(p, d, value, u, q);
     if (q == p->q[d]) {
       w = v;
       if (!wraps) break;
