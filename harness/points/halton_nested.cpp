@@ -12,7 +12,7 @@ using Wide = unsigned __int128;
 
 constexpr std::uint32_t kHeadWords = 6;
 constexpr std::uint32_t kPadding = 15;
-constexpr std::uint32_t kPacked = 17;        // KOKSMA_HALTON_PACKED
+constexpr std::uint32_t kPacked = 17;       // KOKSMA_HALTON_PACKED
 constexpr std::uint64_t kDigitMask = 8191;  // KOKSMA_HALTON_DIGIT
 constexpr std::uint64_t kSharedShuffle = std::uint64_t{1} << 40;
 constexpr std::uint64_t kLow32 = 0xFFFFFFFFu;
@@ -80,8 +80,8 @@ std::vector<std::uint32_t> shuffle(const Tree& tree, std::uint64_t first) {
   std::iota(shuffled.begin(), shuffled.end(), 0);
   for (std::uint32_t a = tree.base - 1; a > 0; --a) {
     const std::uint32_t b = 1 + uniform_below(a, [&](std::uint32_t attempt) {
-      return tree.draw((first + a) | std::uint64_t{attempt} << 48).first;
-    });
+                              return tree.draw((first + a) | std::uint64_t{attempt} << 48).first;
+                            });
     std::swap(shuffled[a], shuffled[b]);
   }
   return shuffled;
@@ -159,8 +159,7 @@ void push_nodes(Words& out, const Tree& tree) {
     return static_cast<std::uint64_t>((Wide{t} << 64) / whole.size);
   };
   for (Node& node : nodes) {
-    for (std::uint32_t k = power.digits; k < whole.digits; ++k)
-      node = zero_child(node, tree.base);
+    for (std::uint32_t k = power.digits; k < whole.digits; ++k) node = zero_child(node, tree.base);
     node = {word(node.t), with_first_digit(node.uniform, tree.base)};
     // A smaller table is for points that all end in it: their words, to the bit those of a larger.
     if (power.size < whole.size) node = {node.t + multiply_high(node.uniform, word(1)), 0};
@@ -194,8 +193,7 @@ void push_constants(std::vector<std::uint64_t>& words) {
 
 // Keys of owen_hash (parts/owen.cl), as digital.cpp draws them.
 void push_keys(Words& out, const PointRequest& request, std::uint32_t r, std::uint32_t dimension) {
-  const RandomPair key =
-      random_pair(request.seed, 0, r, RandomPurpose::nested_scramble, dimension);
+  const RandomPair key = random_pair(request.seed, 0, r, RandomPurpose::nested_scramble, dimension);
   out.push(key.first);
   out.push(key.second | 1);
 }
