@@ -16,7 +16,7 @@ using Wide = unsigned __int128;
 // Bases 2 ... 37 (31 in Hammersley sets), so that tests share programs.
 constexpr std::uint32_t kDim = 12;
 
-inline std::uint32_t rows(const Sampler& s) { return s.options["hammersley"].get<bool>() ? 1 : 0; }
+inline std::uint32_t rows(const Sampler& s) { return s.options["rows"].get<bool>() ? 1 : 0; }
 
 // The base of coordinate d >= rows(s).
 inline std::uint32_t base_of(const Sampler& s, std::uint32_t d) {

@@ -197,11 +197,11 @@ std::vector<std::uint32_t> first_primes(std::uint32_t count) {
 }
 
 PointTable build_halton(const PointRequest& request) {
-  const bool hammersley = request.options.at("hammersley");
-  const auto bases = first_primes(request.dim - (hammersley ? 1 : 0));
+  const bool rows = request.options.at("rows");
+  const auto bases = first_primes(request.dim - (rows ? 1 : 0));
   PointTable table;
   table.words.resize(kHeader);
-  if (hammersley) append_rows(table.words, request);
+  if (rows) append_rows(table.words, request);
   if (request.options.at("digits") == "owen")
     append_nested_tables(table.words, request, bases);
   else

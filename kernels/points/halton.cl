@@ -206,14 +206,13 @@ typedef struct {
 #endif
 } points;
 
-// floor((t 2^m + below) / size), t < size, below < 2^m.
+// floor((t 2^m + below) / size), t < size, below < 2^m. In one word where size <= 2^s.
 static inline word radical_step(word t, word below, word size) {
-#if !KOKSMA_FP64
-  return (word)(((ulong)t << KOKSMA_MANTISSA_BITS | below) / size);
-#elif KOKSMA_HALTON_BASES <= KOKSMA_HALTON_NARROW
+#if KOKSMA_HALTON_BASES <= KOKSMA_HALTON_NARROW
   return (t << KOKSMA_MANTISSA_BITS | below) / size;
+#elif !KOKSMA_FP64
+  return (word)(((ulong)t << KOKSMA_MANTISSA_BITS | below) / size);
 #else
-  // 13 + 52 bits: in two parts.
   const word high = t << 40 | below >> 12, quotient = high / size;
   return quotient << 12 | ((high - quotient * size) << 12 | (below & 4095)) / size;
 #endif

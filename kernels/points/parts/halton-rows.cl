@@ -54,17 +54,10 @@ static inline void rows_add(rows *f, words64 step, words64 step_remainder) {
 static inline void rows_draw(rows *f) {
   const ulong counter = f->index >> 6 << 4 | (f->index & 15);
   const words32 low = lane_numbers() + (uint)counter, high = (words32)(uint)(counter >> 32);
-  const uint phase = f->index >> 4 & 3;
   philox_rounds(low, high, f->seed, f->replicate, 7u << 24, f->jitter);
 #if KOKSMA_FP64
   if (f->shift > 32) philox_rounds(low, high, f->seed, f->replicate, 7u << 24 | 1, f->jitter_low);
 #endif
-  for (uint k = 0; k < phase; ++k) {
-    for (uint c = 0; c < 3; ++c) {
-      f->jitter[c] = f->jitter[c + 1];
-      f->jitter_low[c] = f->jitter_low[c + 1];
-    }
-  }
 }
 #endif
 
@@ -102,11 +95,12 @@ static inline void rows_seek(rows *f, __global const word *table, ulong first, u
 static inline real rows_coordinate(const rows *f) {
   words64 w = f->quotient;
 #if KOKSMA_HALTON_HAMMERSLEY == 2
-  words64 u = KOKSMA_TO_WORDS64(f->jitter[0]);
+  const uint output = f->index >> 4 & 3;
+  words64 u = KOKSMA_TO_WORDS64(f->jitter[output]);
   if (f->shift > 32) {
     u <<= 32;
 #if KOKSMA_FP64
-    u |= KOKSMA_TO_WORDS64(f->jitter_low[0]);
+    u |= KOKSMA_TO_WORDS64(f->jitter_low[output]);
 #endif
     w += u >> (64 - f->shift);
   } else if (f->shift != 0) {
@@ -128,14 +122,7 @@ static inline void rows_step(rows *f) {
   rows_add(f, (words64)f->step, (words64)f->step_remainder);
 #if KOKSMA_HALTON_HAMMERSLEY == 2
   f->index += KOKSMA_LANES;
-  if ((f->index & 48) == 0) {
-    rows_draw(f);
-  } else {
-    for (uint c = 0; c < 3; ++c) {
-      f->jitter[c] = f->jitter[c + 1];
-      f->jitter_low[c] = f->jitter_low[c + 1];
-    }
-  }
+  if ((f->index & 48) == 0) rows_draw(f);
 #endif
 }
 #endif
