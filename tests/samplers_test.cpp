@@ -141,7 +141,7 @@ TEST_CASE(
     if (!test::complete(s)) continue;
     const std::uint32_t dim = test::usual_dim(s);
     const std::uint64_t small = test::admitted_size(s, dim, 200),
-                        large = test::admitted_size(s, dim, small + 1);
+                        large = test::admitted_size(s, dim, 16 * small);
     const auto few = points({.sampler = s.name, .dim = dim, .count = small, .n = small});
     const auto many = points({.sampler = s.name, .dim = dim, .count = large, .n = large});
     INFO(s.name << " " << small << " and " << large);

@@ -138,7 +138,7 @@ TEST_CASE("no-duplicates: all points of a set differ", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     if (!has_property(s, "no-duplicates")) continue;
     // Programs of the tests above.
-    const std::uint32_t dim = has_property(s, "one-per-stratum") ? 3 : 5;
+    const std::uint32_t dim = has_property(s, "one-per-stratum") ? 3 : std::min(5U, s.max_dim);
     for_all_sets(s, dim, [&](const Set& set) {
       std::set<std::vector<double>> seen;
       for (auto x = set.x.begin(); x != set.x.end(); x += dim) seen.emplace(x, x + dim);
@@ -219,7 +219,7 @@ TEST_CASE("the largest set of a sampler can be drawn at its end, in any blocks",
   for (const Sampler& s : test::catalog().samplers) {
     if (!has_property(s, "no-duplicates") || s.extensible) continue;
     ++found;
-    const std::uint32_t dim = has_property(s, "one-per-stratum") ? 3 : 5;
+    const std::uint32_t dim = has_property(s, "one-per-stratum") ? 3 : std::min(5U, s.max_dim);
     const std::uint64_t n = nearest_sizes(s, dim, 1ULL << s.max_log2_n).below.value();
     test::PointsSpec spec{.sampler = s.name, .dim = dim};
     spec.start = n - 100;

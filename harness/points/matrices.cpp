@@ -113,7 +113,8 @@ GeneratingMatrices matrices_from_file(const std::string& path, std::uint32_t dim
 GeneratingMatrices generating_matrices(const PointRequest& request, std::uint32_t columns) {
   const std::string kind = request.options.at("net");
   if (kind == "niederreiter-base-2") return niederreiter_matrices(request.dim, columns);
-  if (kind == "hammersley") return hammersley_matrices(request.dim, columns, request.end_index);
+  if (kind == "hammersley-base-2")
+    return hammersley_matrices(request.dim, columns, request.end_index);
   if (kind == "file")
     return matrices_from_file(request.options.at("path"), request.dim, request.end_index, columns);
   return request.directions_file.empty()

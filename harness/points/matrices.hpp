@@ -38,7 +38,7 @@ GeneratingMatrices matrices_from_file(const std::string& path, std::uint32_t dim
                                       std::uint64_t end_index, std::uint32_t columns);
 
 // What the request's option "net" asks for: sobol (with the user's direction numbers where
-// there are some), niederreiter, hammersley, or the file of option "path".
+// there are some), niederreiter-base-2, hammersley-base-2, or the file of option "path".
 GeneratingMatrices generating_matrices(const PointRequest& request, std::uint32_t columns);
 
 // The same from a file in Joe and Kuo's format: a heading, then per line d, s, a, m_1 … m_s, from d
