@@ -139,6 +139,12 @@ double Canvas::text_width(double scale, std::string_view words) {
   return scale * stb_easy_font_width(copy.data());
 }
 
+double Canvas::ink() const {
+  double sum = 0;
+  for (const Colour& p : pixels_) sum += 1 - static_cast<double>(p.green);
+  return sum;
+}
+
 std::string Canvas::png() const {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(pixels_.size() * 3);

@@ -34,6 +34,8 @@ class Canvas {
   static double text_width(double scale, std::string_view words);
 
   std::string png() const;
+  // Pixels' worth of black: the sum of 1 - green.
+  double ink() const;
 
  private:
   void blend(int x, int y, double coverage, const Colour& colour);

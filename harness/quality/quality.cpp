@@ -61,9 +61,11 @@ Measure star_below(QualityKernels& kernels, const PointSet& points, const Qualit
 }
 
 // The finest resolution that is affordable, but no finer than a tenth of what is to be bounded.
-std::optional<double> affordable_resolution(const PointSet& points, double lower, double limit) {
+std::optional<double> affordable_resolution(const PointSet& points, double lower,
+                                            const QualityLimits& limits) {
   const double visits = 2 * static_cast<double>(points.x.size());
-  const auto most = static_cast<std::uint64_t>(std::max(1.0, limit / visits));
+  const auto most =
+      static_cast<std::uint64_t>(std::min(limits.cover_visits / visits, limits.cover_brackets));
   std::optional<double> best;
   for (double resolution = 0.5; resolution >= lower / 10; resolution *= 0.8) {
     if (!cover_size(points.dim, resolution, most)) break;
@@ -76,11 +78,12 @@ Measure star_above(QualityKernels& kernels, const PointSet& points, double lower
                    const QualityLimits& limits) {
   Measure measure{"star_upper", kStarTitle, std::nullopt, "upper-bound", std::nullopt,
                   "bracketing cover, Thiemard, J. Complexity 17 (2001)", ""};
-  const auto resolution = affordable_resolution(points, lower, limits.cover_visits);
+  const auto resolution = affordable_resolution(points, lower, limits);
   if (!resolution) {
     measure.reason = fmt::format(
-        "too expensive: a cover of resolution 0.5 in d = {} takes more than {:.3g} point visits",
-        points.dim, limits.cover_visits);
+        "too expensive: in d = {}, a cover of resolution 0.5 takes more than {:.3g} brackets or {:.3g} "
+        "point visits",
+        points.dim, limits.cover_brackets, limits.cover_visits);
     return measure;
   }
   const StarCover cover = star_upper_bound(kernels, points, *resolution);

@@ -39,6 +39,7 @@ struct QualityLimits {
   double star_1d_n = 0x1p24;
   double search_visits = 0x1p34;     // points times coordinates
   double cover_visits = 0x1p33;      // points times coordinates times brackets
+  double cover_brackets = 0x1p20;    // the host makes them
   double spectrum_terms = 0x1p35;    // points times frequencies times sets
   double histogram_pairs = 0x1p35;   // pairs times sets
 };
