@@ -1,5 +1,5 @@
-// koksma quality: its JSON is valid and holds what the stage measures, its picture is a picture, its
-// errors say what is wrong.
+// koksma quality: its JSON is valid and holds what the stage measures, its picture is a picture,
+// its errors say what is wrong.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -31,7 +31,8 @@ void check_reasons(const Json& entry, const std::string& value, const std::strin
 
 std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
   std::uint32_t result = 0;
-  for (std::size_t i = 0; i < 4; ++i) result = result << 8 | static_cast<unsigned char>(bytes[at + i]);
+  for (std::size_t i = 0; i < 4; ++i)
+    result = result << 8 | static_cast<unsigned char>(bytes[at + i]);
   return result;
 }
 
@@ -55,8 +56,9 @@ void check_refused(const std::string& arguments, const std::vector<std::string>&
 }  // namespace
 
 TEST_CASE("the JSON is valid, says how each number is known, and why one is missing", "[device]") {
-  for (const char* points : {"--sampler sobol --dim 2 --n 256", "--sampler sobol-owen --dim 5 --n 100",
-                             "--sampler random --dim 1 --n 1", "--sampler lattice --dim 3 --n 2^8"}) {
+  for (const char* points :
+       {"--sampler sobol --dim 2 --n 256", "--sampler sobol-owen --dim 5 --n 100",
+        "--sampler random --dim 1 --n 1", "--sampler lattice --dim 3 --n 2^8"}) {
     const Json json = quality_of(points);
     INFO(points);
     for (const auto& [name, measure] : json["measures"].items()) {
@@ -93,14 +95,14 @@ TEST_CASE("deterministic points are one set, randomized planar ones 16", "[devic
 
 TEST_CASE("a scene gets variation times star discrepancy, above its error", "[device]") {
   const Json json = quality_of(
-      "--sampler sobol-owen --dim 2 --n 128 --scene genz-gaussian:d=2 --scene genz-oscillatory:d=2");
+      "--sampler sobol-owen --dim 2 --n 128 --scene genz-gaussian:d=2 --scene "
+      "genz-oscillatory:d=2");
   REQUIRE(json["koksma_hlawka"].size() == 2);
   const Json& known = json["koksma_hlawka"][0];
   CHECK(known["scene"] == "genz-gaussian:d=2");
   CHECK(known["anchor"] == 1);
   CHECK(known["bound"].get<double>() ==
-        Approx(known["variation"].get<double>() *
-               json["measures"]["star"]["value"].get<double>()));
+        Approx(known["variation"].get<double>() * json["measures"]["star"]["value"].get<double>()));
   CHECK(known["error"].get<double>() > 0);
   CHECK(known["error"].get<double>() <= known["bound"].get<double>());
   const Json& unknown = json["koksma_hlawka"][1];
@@ -137,7 +139,8 @@ TEST_CASE("the picture is a PNG of the stated size and not blank", "[device]") {
   CHECK(size("--sampler sobol --dim 9 --n 16") == std::pair{1488U, 940U});
 }
 
-TEST_CASE("a canvas blends coverage: a dot has the area of its disk, a fill its fractions", "[unit]") {
+TEST_CASE("a canvas blends coverage: a dot has the area of its disk, a fill its fractions",
+          "[unit]") {
   // White is 1 in every channel, so the ink is what is missing from it.
   const Canvas blank(16, 16);
   Canvas dotted(16, 16);

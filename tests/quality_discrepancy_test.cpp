@@ -15,7 +15,8 @@ using test::quality_kernels;
 
 namespace {
 
-// F^2 = sum over integer frequencies h != 0 of |S(h)|^2 / prod max(1, |h_j|)^2, cut at |h_j| <= reach.
+// F^2 = sum over integer frequencies h != 0 of |S(h)|^2 / prod max(1, |h_j|)^2, cut at |h_j| <=
+// reach.
 double diaphony2_by_frequencies(const PointSet& p, int reach) {
   REQUIRE(p.dim == 2);
   double sum = 0;
@@ -57,7 +58,8 @@ std::uint32_t t_of(const PointSet& p) {
 
 }  // namespace
 
-TEST_CASE("discrepancies equal SciPy's for the same points to 1e-12, compared as squares", "[device]") {
+TEST_CASE("discrepancies equal SciPy's for the same points to 1e-12, compared as squares",
+          "[device]") {
   const Json reference =
       parse_json(test::repository_file("tests/quality_reference.json"), "quality_reference.json");
   REQUIRE(reference["sets"].size() >= 15);
@@ -116,7 +118,8 @@ TEST_CASE("diaphony is the weighted sum of the squared Fourier coefficients", "[
   CHECK(whole < cut + 0.03 * (1 + std::numbers::pi * std::numbers::pi / 3));
 }
 
-TEST_CASE("the minimum toroidal distance is the least over all pairs, across the edge too", "[device]") {
+TEST_CASE("the minimum toroidal distance is the least over all pairs, across the edge too",
+          "[device]") {
   for (const std::uint32_t d : {1U, 2U, 3U, 7U})
     for (const std::uint64_t n : {2U, 15U, 16U, 17U, 100U}) {
       const PointSet p = lcg_points(n, d, n + d);
@@ -128,7 +131,8 @@ TEST_CASE("the minimum toroidal distance is the least over all pairs, across the
   CHECK(minimum_toroidal_distance(quality_kernels(), {2, {0.25, 0.5, 0.7, 0.1, 0.25, 0.5}}) == 0);
 }
 
-TEST_CASE("t of known nets: Sobol' 0 in d = 1, 2 and 1 in d = 3, Hammersley 0, equal points m", "[device]") {
+TEST_CASE("t of known nets: Sobol' 0 in d = 1, 2 and 1 in d = 3, Hammersley 0, equal points m",
+          "[device]") {
   for (const std::uint32_t d : {1U, 2U})
     for (const std::uint64_t n : {1U, 2U, 64U, 4096U}) CHECK(t_of(drawn("sobol", n, d)) == 0);
   // The polynomials of dimensions 2 and 3 have degrees 1 and 2, so t <= 1 (Sobol' 1967); it is
@@ -147,7 +151,8 @@ TEST_CASE("t of known nets: Sobol' 0 in d = 1, 2 and 1 in d = 3, Hammersley 0, e
   CHECK(t_of({3, std::vector<double>(3 * 64, 0.5)}) == 6);
 }
 
-TEST_CASE("t is the least for which all intervals are full: one point moved spoils it", "[device]") {
+TEST_CASE("t is the least for which all intervals are full: one point moved spoils it",
+          "[device]") {
   PointSet p = drawn("sobol", 64, 2);
   // Out of its interval of area 1/64 only: halves and quarters keep their shares.
   const NetParameter before = net_parameter(quality_kernels(), p);
@@ -161,6 +166,7 @@ TEST_CASE("t has a reason where there is none", "[device]") {
   CHECK_FALSE(odd.t);
   CHECK_THAT(odd.reason, Catch::Contains("N = 100 is no power of two"));
   // Balanced up to large k in many dimensions: too many shapes. A set is never balanced there, so
-  // the limit shows only where all coordinates are equal nets, which differ in no shape of one axis.
+  // the limit shows only where all coordinates are equal nets, which differ in no shape of one
+  // axis.
   CHECK(t_of(drawn("sobol", 256, 12)) > 0);
 }

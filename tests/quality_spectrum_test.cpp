@@ -1,5 +1,5 @@
-// Spectra and pair correlations: white noise is flat, grids are made of peaks, blue noise has little
-// power near zero frequency.
+// Spectra and pair correlations: white noise is flat, grids are made of peaks, blue noise has
+// little power near zero frequency.
 #include <Random123/philox.h>
 
 #include <algorithm>
@@ -57,7 +57,8 @@ PowerSpectrum spectrum_of(const std::vector<PointSet>& sets) {
 
 }  // namespace
 
-TEST_CASE("the power spectrum is the periodogram, at every frequency and its negative", "[device]") {
+TEST_CASE("the power spectrum is the periodogram, at every frequency and its negative",
+          "[device]") {
   const PointSet p = test::lcg_points(37, 2, 4);
   const std::uint32_t reach = 21;
   const PowerSpectrum s = power_spectrum(quality_kernels(), {p}, reach);
@@ -78,7 +79,8 @@ TEST_CASE("the power spectrum is the periodogram, at every frequency and its neg
 TEST_CASE("in fp32 the spectrum agrees to its precision", "[device]") {
   QualityKernels narrow(test::device(), false);
   PointSet p = drawn("sobol", 256, 2);  // 8 bits: exact in fp32
-  const PowerSpectrum a = power_spectrum(quality_kernels(), {p}, 32), b = power_spectrum(narrow, {p}, 32);
+  const PowerSpectrum a = power_spectrum(quality_kernels(), {p}, 32),
+                      b = power_spectrum(narrow, {p}, 32);
   for (std::size_t i = 0; i < a.power.size(); ++i)
     REQUIRE(b.power[i] == Approx(a.power[i]).margin(2e-3));
 }
@@ -86,9 +88,9 @@ TEST_CASE("in fp32 the spectrum agrees to its precision", "[device]") {
 TEST_CASE("white noise has a flat spectrum, pair correlation 1 and the anisotropy of its averaging",
           "[statistical]") {
   // 64 sets of 256 points. P of one set is nearly exponential with mean 1, so the mean over 64 sets
-  // and c independent frequencies has standard deviation 1 / sqrt(64 c). 32 rings at 6.5 deviations:
-  // false alarm below 32 * 8e-11 = 3e-9 for normal tails; c >= 4 averages 256 exponentials or more,
-  // whose tail at 6.5 deviations (gamma, 256) is below 1e-8: 4e-7 in all.
+  // and c independent frequencies has standard deviation 1 / sqrt(64 c). 32 rings at 6.5
+  // deviations: false alarm below 32 * 8e-11 = 3e-9 for normal tails; c >= 4 averages 256
+  // exponentials or more, whose tail at 6.5 deviations (gamma, 256) is below 1e-8: 4e-7 in all.
   const PowerSpectrum s = spectrum_of(white_noise(256, 64));
   REQUIRE(s.radial_mean.size() == 32);
   for (std::size_t r = 1; r <= 32; ++r) {
@@ -103,12 +105,13 @@ TEST_CASE("white noise has a flat spectrum, pair correlation 1 and the anisotrop
   // frequencies to within a factor 2 (relative deviation of the variance about 0.14).
   REQUIRE(s.anisotropy_db.back());
   CHECK(*s.anisotropy_db.back() == Approx(-10 * std::log10(64.0)).margin(3));
-  // Pairs in the ring of bin b: Poisson-like with mean 64 * 32640 * area; 6.5 deviations, bins of at
-  // least 100 pairs: false alarm below 128 * 1e-9.
+  // Pairs in the ring of bin b: Poisson-like with mean 64 * 32640 * area; 6.5 deviations, bins of
+  // at least 100 pairs: false alarm below 128 * 1e-9.
   const PairCorrelation g = pair_correlation(quality_kernels(), white_noise(256, 64));
   std::size_t checked = 0;
   for (std::size_t b = 0; b < g.value.size(); ++b) {
-    const double pairs = 64 * 32640.0 * std::numbers::pi * g.bin_width * g.bin_width * (2.0 * static_cast<double>(b) + 1);
+    const double pairs = 64 * 32640.0 * std::numbers::pi * g.bin_width * g.bin_width *
+                         (2.0 * static_cast<double>(b) + 1);
     if (pairs < 100) continue;
     ++checked;
     INFO("bin " << b << ": " << g.value[b]);
@@ -117,7 +120,8 @@ TEST_CASE("white noise has a flat spectrum, pair correlation 1 and the anisotrop
   CHECK(checked > 100);
 }
 
-TEST_CASE("a regular grid is made of peaks: P = N at multiples of its side, 0 elsewhere", "[device]") {
+TEST_CASE("a regular grid is made of peaks: P = N at multiples of its side, 0 elsewhere",
+          "[device]") {
   const std::uint32_t side = 16;
   const PowerSpectrum s = spectrum_of({grid(side)});
   const int reach = static_cast<int>(s.reach), width = 2 * reach + 1;
@@ -159,7 +163,8 @@ TEST_CASE("dart throwing has little power near zero frequency and no near pairs"
   // below 1e-6: the mean of 16 * c exponentials, c the frequencies below a quarter of the peak.
   const double distance = 0.7 * std::sqrt(2 / (std::sqrt(3.0) * 256));
   std::vector<PointSet> sets;
-  for (std::uint64_t seed = 0; seed < 16; ++seed) sets.push_back(dart_throwing(256, distance, seed));
+  for (std::uint64_t seed = 0; seed < 16; ++seed)
+    sets.push_back(dart_throwing(256, distance, seed));
   const PowerSpectrum s = spectrum_of(sets);
   INFO("peak " << s.peak_frequency << ", low power " << s.low_frequency_power.value_or(-1));
   CHECK(s.peak_frequency > 12);
@@ -172,8 +177,8 @@ TEST_CASE("dart throwing has little power near zero frequency and no near pairs"
 
 TEST_CASE("every sampler that declares blue-noise has low power below a quarter of the peak",
           "[statistical]") {
-  // Mean over 0 < |k| < peak / 4 of 16 sets of 256 points, in units of white noise (6-definitions 18). Seeds
-  // differ too, for samplers whose replicates are one set moved about.
+  // Mean over 0 < |k| < peak / 4 of 16 sets of 256 points, in units of white noise (6-definitions
+  // 18). Seeds differ too, for samplers whose replicates are one set moved about.
   std::size_t declared = 0;
   for (const Sampler& sampler : test::catalog().samplers) {
     if (std::find(sampler.properties.begin(), sampler.properties.end(), "blue-noise") ==
@@ -182,11 +187,10 @@ TEST_CASE("every sampler that declares blue-noise has low power below a quarter 
     ++declared;
     std::vector<PointSet> sets;
     for (std::uint32_t r = 0; r < (sampler.replicable ? 16 : 1); ++r)
-      sets.push_back({2, test::points({.sampler = sampler.name,
-                                       .dim = 2,
-                                       .count = 256,
-                                       .replicate = r,
-                                       .seed = r + 1})});
+      sets.push_back(
+          {2,
+           test::points(
+               {.sampler = sampler.name, .dim = 2, .count = 256, .replicate = r, .seed = r + 1})});
     const PowerSpectrum s = spectrum_of(sets);
     INFO(sampler.name << ": peak " << s.peak_frequency << ", low power "
                       << s.low_frequency_power.value_or(-1));

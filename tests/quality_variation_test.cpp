@@ -15,14 +15,15 @@ using test::quality_kernels;
 
 namespace {
 
-// The integrand at any points, 1 included, which no sampler draws: a program whose points_next reads
-// the coordinates from a buffer.
+// The integrand at any points, 1 included, which no sampler draws: a program whose points_next
+// reads the coordinates from a buffer.
 std::vector<double> values_at(const Integrand& f, const Scene& scene, const PointSet& x) {
   std::string text = fmt::format(
       "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_FP64 1\n#define KOKSMA_DIM {}\n"
       "#define KOKSMA_CENTRED 0\n{}\n"
       "typedef struct {{ __global const scalar *x; }} points;\n"
-      "static inline real points_next(points *p) {{ return *p->x++; }}\ntypedef struct {{ scalar unused",
+      "static inline real points_next(points *p) {{ return *p->x++; }}\ntypedef struct {{ scalar "
+      "unused",
       x.dim, embedded_text("kernels/prelude.cl"));
   std::string loads;
   for (std::size_t i = 0; i < f.parameters.size(); ++i) {
@@ -90,8 +91,9 @@ std::vector<const Integrand*> with_variation() {
 
 }  // namespace
 
-TEST_CASE("closed forms of the Hardy-Krause variation agree with differences on fine grids, from above",
-          "[device]") {
+TEST_CASE(
+    "closed forms of the Hardy-Krause variation agree with differences on fine grids, from above",
+    "[device]") {
   REQUIRE(with_variation().size() >= 7);
   for (const Integrand* f : with_variation())
     for (const std::uint32_t d : {1U, 2U}) {
@@ -116,8 +118,8 @@ TEST_CASE("a discontinuity counts up and down, and not where the cut is at 1", "
 
 TEST_CASE("undefined parameters have no variation", "[device]") {
   const Scene scene = parse_scene(test::catalog(), "sobol-g:d=2,scale=0,offset=-1", "test");
-  CHECK_FALSE(compute_exact(test::device(), test::catalog().integrand("sobol-g", "test"), scene)
-                  .variation);
+  CHECK_FALSE(
+      compute_exact(test::device(), test::catalog().integrand("sobol-g", "test"), scene).variation);
 }
 
 TEST_CASE("Koksma-Hlawka: the error is at most variation times star discrepancy", "[device]") {
@@ -132,8 +134,8 @@ TEST_CASE("Koksma-Hlawka: the error is at most variation times star discrepancy"
         ExactSum sum;
         sum.add(values_at(*f, scene, points));
         const double error = std::fabs(sum.rounded_quotient(n) - *exact.mean);
-        INFO(sampler << ", N = " << n << ", " << scene.text << ": " << error << " <= " << *exact.variation
-                     << " * " << star);
+        INFO(sampler << ", N = " << n << ", " << scene.text << ": " << error
+                     << " <= " << *exact.variation << " * " << star);
         CHECK(error <= *exact.variation * star);
         tight += error > 0.1 * *exact.variation * star;
       }

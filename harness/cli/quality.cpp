@@ -64,9 +64,9 @@ std::vector<Scene> checked_scenes(const QualityOptions& options, const Catalog& 
   for (const std::string& text : options.scenes) {
     scenes.push_back(parse_scene(catalog, text, "--scene"));
     if (scenes.back().dim != options.dim)
-      throw InputError(
-          "--scene", fmt::format("'{}' has d = {}", scenes.back().text, scenes.back().dim),
-          fmt::format("the points have --dim {0}: write d={0}", options.dim));
+      throw InputError("--scene",
+                       fmt::format("'{}' has d = {}", scenes.back().text, scenes.back().dim),
+                       fmt::format("the points have --dim {0}: write d={0}", options.dim));
   }
   return scenes;
 }
@@ -92,7 +92,8 @@ CheckedRequest check(const QualityOptions& options, const Catalog& catalog,
   request.command = command_line;
   for (const Scene& scene : checked.scenes) request.scenes.push_back(scene.text);
   if (!options.picture.empty() && !options.picture.ends_with(".png"))
-    throw InputError("--picture", fmt::format("'{}'", options.picture), "the name must end in .png");
+    throw InputError("--picture", fmt::format("'{}'", options.picture),
+                     "the name must end in .png");
   for (const std::string& path : {options.out, options.picture})
     if (!path.empty()) check_writable(path);
   return checked;
@@ -107,10 +108,12 @@ std::vector<PointSet> draw_sets(Device& device, const Plan& plan, const QualityR
 }
 
 std::vector<KoksmaHlawka> inequalities(const CheckedRequest& checked, const Catalog& catalog,
-                                       Device& device, Precision precision, const Quality& quality) {
+                                       Device& device, Precision precision,
+                                       const Quality& quality) {
   // The estimator that any points have: the plain mean.
-  const auto plain = std::find_if(catalog.estimators.begin(), catalog.estimators.end(),
-                                  [](const Estimator& e) { return e.fits.empty() && !e.replicated; });
+  const auto plain =
+      std::find_if(catalog.estimators.begin(), catalog.estimators.end(),
+                   [](const Estimator& e) { return e.fits.empty() && !e.replicated; });
   std::vector<KoksmaHlawka> result;
   for (const Scene& scene : checked.scenes) {
     Cell cell;
@@ -139,9 +142,8 @@ int quality(const QualityOptions& options, const std::string& command_line) {
   const std::vector<PointSet> sets = draw_sets(device, plan, request);
   QualityKernels kernels(device, fp64);
   const Quality measured = measure_quality(kernels, sets);
-  const Json json =
-      quality_json(request, plan, device.facts(), fp64, measured,
-                   inequalities(checked, catalog, device, precision, measured));
+  const Json json = quality_json(request, plan, device.facts(), fp64, measured,
+                                 inequalities(checked, catalog, device, precision, measured));
   if (!options.out.empty()) write_file_atomically(options.out, dumped(json, 1) + "\n");
   if (!options.picture.empty()) {
     const std::string title =
@@ -165,9 +167,10 @@ void add_quality(CLI::App& app, Action& action, const std::string& command_line)
       ->required();
   verb->add_option("--dim", options->dim, "dimensions")->required();
   verb->add_option("--n", options->n, "number of points: 1000 or 2^10")->required();
-  verb->add_option("--replicates", options->replicates,
-                   "randomizations that spectra and pair correlations are averaged over; default: 16 "
-                   "in the plane, else 1")
+  verb->add_option(
+          "--replicates", options->replicates,
+          "randomizations that spectra and pair correlations are averaged over; default: 16 "
+          "in the plane, else 1")
       ->check(CLI::Range(1, 1024));
   verb->add_option("--seed", options->seed, "seed of the randomization; default 1")
       ->check(CLI::Range(std::uint64_t{0}, kLargestSeed));

@@ -35,7 +35,8 @@ Colour grey(double display) {
 Canvas::Canvas(int width, int height)
     : width_(width),
       height_(height),
-      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), Colour{1, 1, 1}) {}
+      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), Colour{1, 1, 1}) {
+}
 
 void Canvas::blend(int x, int y, double coverage, const Colour& colour) {
   if (x < 0 || y < 0 || x >= width_ || y >= height_ || coverage <= 0) return;
@@ -60,7 +61,8 @@ void Canvas::paint(double x0, double y0, double x1, double y1, const Colour& col
 void Canvas::dot(double x, double y, double radius, const Colour& colour) {
   const double reach = radius + 1;
   // A disk smaller than a pixel keeps its ink: it is drawn one pixel wide and fainter.
-  const double drawn = std::max(radius, 0.5), ink = std::min(1.0, radius * radius / (drawn * drawn));
+  const double drawn = std::max(radius, 0.5),
+               ink = std::min(1.0, radius * radius / (drawn * drawn));
   paint(x - reach, y - reach, x + reach, y + reach, colour, [&](double px, double py) {
     return ink * std::clamp(drawn + 0.5 - std::hypot(px - x, py - y), 0.0, 1.0);
   });
@@ -122,8 +124,8 @@ void Canvas::text(double x, double y, double scale, std::string_view words, cons
   // The font is made of rectangles: four vertices of 16 bytes each, x and y first.
   constexpr std::size_t kVertex = 16, kQuad = 4 * kVertex;
   std::vector<char> quads(copy.size() * 64 * kVertex + kQuad);
-  const int count = stb_easy_font_print(0, 0, copy.data(), nullptr, quads.data(),
-                                        static_cast<int>(quads.size()));
+  const int count =
+      stb_easy_font_print(0, 0, copy.data(), nullptr, quads.data(), static_cast<int>(quads.size()));
   for (int q = 0; q < count; ++q) {
     float corner[2][2];  // of the first and the third vertex
     std::memcpy(corner[0], &quads[static_cast<std::size_t>(q) * kQuad], sizeof(corner[0]));

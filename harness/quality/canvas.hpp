@@ -23,8 +23,8 @@ class Canvas {
   void dot(double x, double y, double radius, const Colour& colour);
   void line(double x0, double y0, double x1, double y1, double width, const Colour& colour);
   void fill(double x0, double y0, double x1, double y1, const Colour& colour);
-  // A square image of columns x columns colours, [row from the top][column], every pixel the mean of
-  // what it covers: fills one by one would let the background through at their seams.
+  // A square image of columns x columns colours, [row from the top][column], every pixel the mean
+  // of what it covers: fills one by one would let the background through at their seams.
   void image(double x0, double y0, double size, std::size_t columns,
              const std::vector<Colour>& colours);
   // One pixel wide, outside [x0, x1) x [y0, y1).

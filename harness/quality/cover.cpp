@@ -1,7 +1,7 @@
 // The bracketing cover of star.hpp. E. Thiemard, An algorithm to compute bounds for the star
 // discrepancy, J. Complexity 17 (2001) 850-880: a bracket [a, b] whose coordinates from j on still
-// begin at 0 is cut at gamma_i = delta b_i, delta chosen so that the last part [gamma, b] has exactly
-// the weight that is allowed; the parts below go on with the coordinate that was cut.
+// begin at 0 is cut at gamma_i = delta b_i, delta chosen so that the last part [gamma, b] has
+// exactly the weight that is allowed; the parts below go on with the coordinate that was cut.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -31,7 +31,8 @@ class Decomposition {
     const double volume = product(upper, 0, dim);
     if (volume <= resolution_) return take_(lower, upper);
     const double rest = product(lower, 0, j) * product(upper, j, dim);
-    const double delta = std::pow((volume - resolution_) / rest, 1.0 / static_cast<double>(dim - j));
+    const double delta =
+        std::pow((volume - resolution_) / rest, 1.0 / static_cast<double>(dim - j));
     for (std::size_t i = j; i < dim; ++i) {
       const double gamma = rounded(delta * upper[i]);
       std::vector<double> part = upper;

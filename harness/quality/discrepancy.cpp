@@ -34,7 +34,8 @@ L2Discrepancies l2_discrepancies(QualityKernels& kernels, const PointSet& points
   const cl::Buffer x = kernels.columns(points, 0.0), weight = weights(kernels, n);
   // Parts of vectors at width 16, of points at width 1: never more than there are points.
   const std::uint64_t blocks = padded / kernels.lanes();
-  const cl::Buffer single = kernels.scalars(3 * blocks), pairs = kernels.scalars(std::uint64_t{5} * n);
+  const cl::Buffer single = kernels.scalars(3 * blocks),
+                   pairs = kernels.scalars(std::uint64_t{5} * n);
   kernels.run("pairs", "single_sums", blocks, x, weight, padded, points.dim, single);
   kernels.run("pairs", "pair_sums", n, x, weight, padded, points.dim, n, pairs);
   const std::vector<double> one = summed(kernels.read(single, 3 * blocks), 3);

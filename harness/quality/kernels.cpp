@@ -10,9 +10,9 @@ LaunchShape quality_shape(const DeviceFacts& device) {
   LaunchShape shape;
   shape.lanes_per_item = device.is_cpu ? 16 : 1;
   shape.local_size =
-      device.is_cpu ? 1
-                    : static_cast<std::uint32_t>(
-                          std::min<std::uint64_t>(64, device.max_work_group_size));
+      device.is_cpu
+          ? 1
+          : static_cast<std::uint32_t>(std::min<std::uint64_t>(64, device.max_work_group_size));
   return shape;
 }
 
@@ -61,9 +61,8 @@ cl::Kernel QualityKernels::find(const std::string& piece, const std::string& nam
 
 void QualityKernels::launch(const cl::Kernel& kernel, std::uint64_t items) {
   const std::uint64_t local = shape_.local_size;
-  device_.queue().enqueueNDRangeKernel(kernel, cl::NullRange,
-                                       cl::NDRange((items + local - 1) / local * local),
-                                       cl::NDRange(local));
+  device_.queue().enqueueNDRangeKernel(
+      kernel, cl::NullRange, cl::NDRange((items + local - 1) / local * local), cl::NDRange(local));
   device_.queue().finish();
 }
 

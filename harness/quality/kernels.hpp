@@ -16,7 +16,9 @@ struct PointSet {
   std::vector<double> x;  // [point][dimension]
 
   std::uint64_t size() const { return x.size() / dim; }
-  double at(std::uint64_t point, std::uint32_t dimension) const { return x[point * dim + dimension]; }
+  double at(std::uint64_t point, std::uint32_t dimension) const {
+    return x[point * dim + dimension];
+  }
 };
 
 class QualityKernels {

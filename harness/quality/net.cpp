@@ -10,8 +10,8 @@
 namespace koksma {
 namespace {
 
-constexpr double kMostWork = 0x1p34;                               // points times shapes
-constexpr std::uint64_t kMostCells = std::uint64_t{1} << 24;       // counters of one launch
+constexpr double kMostWork = 0x1p33;  // points times dimensions times shapes
+constexpr std::uint64_t kMostCells = std::uint64_t{1} << 24;  // counters of one launch
 constexpr std::uint32_t kMostLog2N = 24;
 
 // Calls `take` with every (k_1, ..., k_d) of sum k, until it says false.
@@ -39,8 +39,8 @@ double shape_count(std::uint32_t dim, std::uint32_t k) {
 bool balanced(QualityKernels& kernels, const cl::Buffer& digits, const PointSet& points,
               std::uint32_t m, std::uint32_t k) {
   const auto n = static_cast<std::uint32_t>(points.size());
-  const std::uint64_t at_once =
-      std::clamp<std::uint64_t>(kMostCells >> k, 1, static_cast<std::uint64_t>(std::min(shape_count(points.dim, k), 4096.0)));
+  const std::uint64_t at_once = std::clamp<std::uint64_t>(
+      kMostCells >> k, 1, static_cast<std::uint64_t>(std::min(shape_count(points.dim, k), 4096.0)));
   const cl::Buffer counts = kernels.device().allocate((at_once << k) * sizeof(cl_uint));
   std::vector<std::uint8_t> shape(points.dim, 0), batch;
   const auto flush = [&] {
@@ -85,10 +85,10 @@ NetParameter net_parameter(QualityKernels& kernels, const PointSet& points) {
   std::uint32_t k = 0;
   double work = 0;
   while (k < result.m) {
-    work += shape_count(points.dim, k + 1) * static_cast<double>(points.size());
+    work += shape_count(points.dim, k + 1) * static_cast<double>(points.x.size());
     if (work > kMostWork) {
       result.reason = fmt::format(
-          "t <= {}, and telling whether it is less takes more than 2^34 point visits", result.m - k);
+          "t <= {}, and telling whether it is less takes more than 2^33 coordinates", result.m - k);
       return result;
     }
     if (!balanced(kernels, digits, points, result.m, k + 1)) break;

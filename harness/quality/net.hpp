@@ -8,9 +8,9 @@
 
 namespace koksma {
 
-// The least t such that every elementary interval of volume 2^(t-m) holds exactly 2^t of the N = 2^m
-// points (Niederreiter 1992, definition 4.1); t = m always holds. Empty with a reason where N is no
-// power of two or the shapes of intervals are too many.
+// The least t such that every elementary interval of volume 2^(t-m) holds exactly 2^t of the N =
+// 2^m points (Niederreiter 1992, definition 4.1); t = m always holds. Empty with a reason where N
+// is no power of two or the shapes of intervals are too many.
 struct NetParameter {
   std::optional<std::uint32_t> t;
   std::uint32_t m = 0;

@@ -36,13 +36,15 @@ void draw_points(Canvas& canvas, const Box& box, const PointSet& points, std::ui
   const auto n = static_cast<double>(points.size());
   const double radius = std::clamp(0.16 * box.width / std::sqrt(n), 0.35, 3.0);
   for (std::uint64_t i = 0; i < points.size(); ++i) {
-    const double height = points.dim == 1 ? (static_cast<double>(i) + 0.5) / n : points.at(i, second);
+    const double height =
+        points.dim == 1 ? (static_cast<double>(i) + 0.5) / n : points.at(i, second);
     canvas.dot(box.x(points.at(i, first)), box.y(height), radius, kInk);
   }
   draw_frame(canvas, box);
 }
 
-// P / (1 + P): 0 is black, white noise (1) middle grey, peaks white. The zero frequency is left out.
+// P / (1 + P): 0 is black, white noise (1) middle grey, peaks white. The zero frequency is left
+// out.
 void draw_spectrum(Canvas& canvas, const Box& box, const PowerSpectrum& s) {
   const std::size_t width = 2 * std::size_t{s.reach} + 1;
   std::vector<Colour> colours(width * width);
@@ -74,14 +76,16 @@ void draw_axes(Canvas& canvas, const Box& box, const Curve& curve) {
     const double y = box.y((level - curve.low) / (curve.high - curve.low));
     canvas.line(box.left, y, box.left + box.width, y, 1, colour);
   };
-  for (double level = curve.low + curve.step; level < curve.high - curve.step / 2; level += curve.step)
+  for (double level = curve.low + curve.step; level < curve.high - curve.step / 2;
+       level += curve.step)
     guide(level, kGuide);
   guide(curve.white_noise, kNoise);
   right_aligned(curve.low);
   right_aligned(curve.high);
   for (const double t : {0.0, 0.5, 1.0}) {
     const std::string words = fmt::format("{:.3g}", t * curve.x_most);
-    canvas.text(box.x(t) - Canvas::text_width(1, words) / 2, box.top + box.height + 6, 1, words, kText);
+    canvas.text(box.x(t) - Canvas::text_width(1, words) / 2, box.top + box.height + 6, 1, words,
+                kText);
   }
   canvas.text(box.x(0.75), box.top + box.height + 6, 1, curve.x_label, kText);
   draw_caption(canvas, box, curve.caption);
@@ -114,9 +118,10 @@ std::vector<Curve> planar_curves(const Quality& quality) {
     const PowerSpectrum& s = *quality.power_spectrum;
     std::vector<double> rings(s.radial_mean.size());
     std::iota(rings.begin(), rings.end(), 1);
-    curves.push_back(positive_curve("radial mean power; red: white noise", "|k|", rings, s.radial_mean, s.reach));
-    curves.push_back({"anisotropy in dB; red: white noise", "|k|", rings, s.anisotropy_db, static_cast<double>(s.reach),
-                      -30, 30, 10, -10 * std::log10(quality.sets)});
+    curves.push_back(positive_curve("radial mean power; red: white noise", "|k|", rings,
+                                    s.radial_mean, s.reach));
+    curves.push_back({"anisotropy in dB; red: white noise", "|k|", rings, s.anisotropy_db,
+                      static_cast<double>(s.reach), -30, 30, 10, -10 * std::log10(quality.sets)});
   }
   if (quality.pair_correlation) {
     const PairCorrelation& g = *quality.pair_correlation;
@@ -161,7 +166,8 @@ void draw_projections(Canvas& canvas, const PointSet& points) {
         canvas.text(box.left + box.width / 2 - 6, kTitle + kMatrix + 4, 1,
                     fmt::format("x{}", column + 1), kText);
     }
-  draw_caption(canvas, {left, kTitle, 0, 0}, fmt::format("projections of the first {} coordinates", count));
+  draw_caption(canvas, {left, kTitle, 0, 0},
+               fmt::format("projections of the first {} coordinates", count));
 }
 
 }  // namespace

@@ -29,7 +29,11 @@ Measure checked_measure(Measure measure, double value, const std::string& when_b
 const char* const kStarTitle = "star discrepancy D*";
 
 std::vector<Measure> star_known(QualityKernels& kernels, const PointSet& points) {
-  Measure exact{"star", kStarTitle, star_exact(kernels, points), "exact", std::nullopt,
+  Measure exact{"star",
+                kStarTitle,
+                star_exact(kernels, points),
+                "exact",
+                std::nullopt,
                 points.dim == 1
                     ? "1/(2N) + max |x_(i) - (2i - 1)/(2N)|, Niederreiter (1992), theorem 2.6"
                     : "all critical boxes, open and closed, Niederreiter, Math. Ann. 194 (1972)",
@@ -41,7 +45,11 @@ std::vector<Measure> star_known(QualityKernels& kernels, const PointSet& points)
 }
 
 Measure star_below(QualityKernels& kernels, const PointSet& points, const QualityLimits& limits) {
-  Measure measure{"star_lower", kStarTitle, std::nullopt, "lower-bound", std::nullopt,
+  Measure measure{"star_lower",
+                  kStarTitle,
+                  std::nullopt,
+                  "lower-bound",
+                  std::nullopt,
                   "threshold accepting after Winker and Fang, SIAM J. Numer. Anal. 34 (1997), and "
                   "Gnewuch, Wahlstroem and Winzen, SIAM J. Numer. Anal. 50 (2012)",
                   ""};
@@ -76,12 +84,18 @@ std::optional<double> affordable_resolution(const PointSet& points, double lower
 
 Measure star_above(QualityKernels& kernels, const PointSet& points, double lower,
                    const QualityLimits& limits) {
-  Measure measure{"star_upper", kStarTitle, std::nullopt, "upper-bound", std::nullopt,
-                  "bracketing cover, Thiemard, J. Complexity 17 (2001)", ""};
+  Measure measure{"star_upper",
+                  kStarTitle,
+                  std::nullopt,
+                  "upper-bound",
+                  std::nullopt,
+                  "bracketing cover, Thiemard, J. Complexity 17 (2001)",
+                  ""};
   const auto resolution = affordable_resolution(points, lower, limits);
   if (!resolution) {
     measure.reason = fmt::format(
-        "too expensive: in d = {}, a cover of resolution 0.5 takes more than {:.3g} brackets or {:.3g} "
+        "too expensive: in d = {}, a cover of resolution 0.5 takes more than {:.3g} brackets or "
+        "{:.3g} "
         "point visits",
         points.dim, limits.cover_brackets, limits.cover_visits);
     return measure;
@@ -145,25 +159,32 @@ std::vector<Measure> pair_measures(QualityKernels& kernels, const PointSet& poin
 
 // Twice the radius over the largest that N equal disks on the torus can have (Lagae & Dutre 2008).
 Measure relative_radius(const PointSet& points, const Measure& distance) {
-  Measure measure{"relative_radius", "minimum distance over that of the densest packing", std::nullopt,
-                  "exact", std::nullopt,
-                  "Lagae and Dutre, Comput. Graph. Forum 27 (2008): r / sqrt(1 / (2 sqrt(3) N)), r half "
-                  "the minimum distance",
-                  ""};
+  Measure measure{
+      "relative_radius",
+      "minimum distance over that of the densest packing",
+      std::nullopt,
+      "exact",
+      std::nullopt,
+      "Lagae and Dutre, Comput. Graph. Forum 27 (2008): r / sqrt(1 / (2 sqrt(3) N)), r half "
+      "the minimum distance",
+      ""};
   if (points.dim != 2)
     measure.reason = fmt::format("d = {}: only for d = 2", points.dim);
   else if (!distance.value)
     measure.reason = distance.reason;
   else
-    measure.value = *distance.value / 2 *
-                    std::sqrt(2 * std::sqrt(3.0) * static_cast<double>(points.size()));
+    measure.value =
+        *distance.value / 2 * std::sqrt(2 * std::sqrt(3.0) * static_cast<double>(points.size()));
   return measure;
 }
 
 Measure net_measure(QualityKernels& kernels, const PointSet& points) {
   const NetParameter net = net_parameter(kernels, points);
-  Measure measure{"t", "net parameter t in base 2", std::nullopt, "exact", std::nullopt,
-                  "all elementary intervals counted, Niederreiter (1992), definition 4.1", net.reason};
+  Measure measure{
+      "t",          "net parameter t in base 2",
+      std::nullopt, "exact",
+      std::nullopt, "all elementary intervals counted, Niederreiter (1992), definition 4.1",
+      net.reason};
   if (net.t) measure.value = *net.t;
   return measure;
 }

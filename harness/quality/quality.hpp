@@ -15,10 +15,10 @@ struct Measure {
   std::string name;  // key of the JSON
   std::string title;
   std::optional<double> value;
-  std::string how;  // "exact" (but for rounding), "lower-bound", "upper-bound"
+  std::string how;              // "exact" (but for rounding), "lower-bound", "upper-bound"
   std::optional<bool> squared;  // for what goes by either convention
-  std::string method;  // formula and citation
-  std::string reason;  // why there is no value; empty where there is one
+  std::string method;           // formula and citation
+  std::string reason;           // why there is no value; empty where there is one
 };
 
 struct Quality {
@@ -34,18 +34,18 @@ struct Quality {
 // What one measure may cost, in units of its inner loop; tests lower them. The defaults keep each
 // below about a minute on two cores.
 struct QualityLimits {
-  double pair_terms = 0x1p37;        // N^2 d
+  double pair_terms = 0x1p37;  // N^2 d
   double star_2d_n = 0x1p17, star_3d_n = 0x1p12;
   double star_1d_n = 0x1p24;
-  double search_visits = 0x1p34;     // points times coordinates
-  double cover_visits = 0x1p33;      // points times coordinates times brackets
-  double cover_brackets = 0x1p20;    // the host makes them
-  double spectrum_terms = 0x1p35;    // points times frequencies times sets
-  double histogram_pairs = 0x1p35;   // pairs times sets
+  double search_visits = 0x1p34;    // points times coordinates
+  double cover_visits = 0x1p33;     // points times coordinates times brackets
+  double cover_brackets = 0x1p20;   // the host makes them
+  double spectrum_terms = 0x1p36;   // points times frequencies times sets
+  double histogram_pairs = 0x1p35;  // pairs times sets
 };
 
-// sets: independent randomizations of one size, at least one, not empty. All but the averages are of
-// the first.
+// sets: independent randomizations of one size, at least one, not empty. All but the averages are
+// of the first.
 Quality measure_quality(QualityKernels& kernels, const std::vector<PointSet>& sets,
                         const QualityLimits& limits = {});
 

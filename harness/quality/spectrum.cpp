@@ -18,8 +18,8 @@ std::vector<double> half_spectrum(QualityKernels& kernels, const PointSet& point
   const std::uint32_t row = kernels.padded(2 * reach + 1), blocks = row / kernels.lanes();
   const std::uint64_t values = std::uint64_t{reach + 1} * row;
   const cl::Buffer out = kernels.scalars(values);
-  kernels.run("spectrum", "power_spectrum", std::uint64_t{reach + 1} * blocks,
-              kernels.columns(points, 0.0), kernels.padded(n), n, reach, blocks, out);
+  kernels.run("spectrum", "power_spectrum", reach + 1, kernels.columns(points, 0.0),
+              kernels.padded(n), n, reach, blocks, kernels.scalars(2 * values), out);
   const std::vector<double> all = kernels.read(out, values);
   std::vector<double> result;
   for (std::uint32_t kx = 0; kx <= reach; ++kx) {
@@ -43,7 +43,9 @@ void each_independent(const PowerSpectrum& s, Take&& take) {
 void add_radial_statistics(PowerSpectrum& s) {
   std::vector<double> count(s.reach + 1, 0.0), squares(s.reach + 1, 0.0);
   s.radial_mean.assign(s.reach + 1, 0.0);
-  const auto ring = [&](double frequency) { return static_cast<std::size_t>(std::lround(frequency)); };
+  const auto ring = [&](double frequency) {
+    return static_cast<std::size_t>(std::lround(frequency));
+  };
   each_independent(s, [&](double frequency, double power) {
     if (ring(frequency) > s.reach) return;
     count[ring(frequency)] += 1;
@@ -57,8 +59,8 @@ void add_radial_statistics(PowerSpectrum& s) {
   });
   for (std::size_t r = 1; r <= s.reach; ++r) {
     const double ratio = squares[r] / (count[r] - 1) / (s.radial_mean[r] * s.radial_mean[r]);
-    s.anisotropy_db.push_back(ratio > 0 && std::isfinite(ratio) ? std::optional(10 * std::log10(ratio))
-                                                                : std::nullopt);
+    s.anisotropy_db.push_back(
+        ratio > 0 && std::isfinite(ratio) ? std::optional(10 * std::log10(ratio)) : std::nullopt);
   }
   s.radial_mean.erase(s.radial_mean.begin());  // rings 1 ... reach
 }

@@ -11,8 +11,8 @@ namespace koksma {
 // d = 1 this is 1/(2N) + max |x_(i) - (2i - 1)/(2N)| (Niederreiter 1992, theorem 2.6).
 double star_exact(QualityKernels& kernels, const PointSet& points);
 
-// A lower bound: the largest local discrepancy that `chains` searches of rounds^2 boxes each find by
-// threshold accepting (kernels/quality/threshold.cl), recomputed here from its box.
+// A lower bound: the largest local discrepancy that `chains` searches of rounds^2 boxes each find
+// by threshold accepting (kernels/quality/threshold.cl), recomputed here from its box.
 struct StarSearch {
   std::uint32_t chains = 32, rounds = 64;
   std::uint64_t seed = 1;
@@ -23,7 +23,8 @@ double star_lower_bound(QualityKernels& kernels, const PointSet& points, const S
 double star_search_work(const PointSet& points, const StarSearch& search);
 
 // An upper bound by a bracketing cover (Thiemard 2001, J. Complexity 17): brackets [lower, upper]
-// with vol(upper) - vol(lower) <= resolution that cover the cube. bound - resolution <= D* <= bound.
+// with vol(upper) - vol(lower) <= resolution that cover the cube. bound - resolution <= D* <=
+// bound.
 struct StarCover {
   double bound = 1, resolution = 1;
   std::uint64_t brackets = 0;

@@ -26,7 +26,8 @@ Json pair_correlation_json(const Quality& q) {
   Json json;
   json["value"] = nullptr;
   json["method"] =
-      "pairs at toroidal distances within a ring over N (N - 1) / 2 times its area; white noise is 1";
+      "pairs at toroidal distances within a ring over N (N - 1) / 2 times its area; white noise is "
+      "1";
   json["reason"] = text_or_null(q.pair_correlation_reason);
   if (!q.pair_correlation) return json;
   const PairCorrelation& g = *q.pair_correlation;
@@ -69,8 +70,8 @@ Json inequality_json(const KoksmaHlawka& k, const Quality& quality) {
 }
 
 Json request_json(const QualityRequest& r) {
-  return {{"sampler", r.sampler},       {"dim", r.dim},   {"n", r.n},
-          {"replicates", r.replicates}, {"seed", r.seed}, {"precision", r.precision},
+  return {{"sampler", r.sampler},       {"dim", r.dim},      {"n", r.n},
+          {"replicates", r.replicates}, {"seed", r.seed},    {"precision", r.precision},
           {"directions", r.directions}, {"scenes", r.scenes}};
 }
 
@@ -91,12 +92,13 @@ std::string averages_text(const Json& averages) {
   std::string text;
   if (const Json& s = averages["power_spectrum"]["value"]; s.is_object()) {
     const Json& low = s["low_frequency_power"];
-    text += fmt::format("power spectrum: greatest in the ring |k| = {}, {} below a quarter of it\n",
-                        s["peak_frequency"].get<double>(),
-                        low.is_number() ? fmt::format("{:.3g} of white noise", low.get<double>())
-                                        : "no frequency");
+    text += fmt::format(
+        "power spectrum: greatest in the ring |k| = {}, {} below a quarter of it\n",
+        s["peak_frequency"].get<double>(),
+        low.is_number() ? fmt::format("{:.3g} of white noise", low.get<double>()) : "no frequency");
   } else {
-    text += fmt::format("power spectrum: {}\n", averages["power_spectrum"]["reason"].get<std::string>());
+    text += fmt::format("power spectrum: {}\n",
+                        averages["power_spectrum"]["reason"].get<std::string>());
   }
   if (const Json& g = averages["pair_correlation"]["value"]; g.is_object()) {
     const auto values = g["g"].get<std::vector<double>>();
@@ -104,8 +106,8 @@ std::string averages_text(const Json& averages) {
     text += fmt::format("pair correlation: at most {:.3g}, at r = {:.4g}\n", *most,
                         g["radius"][static_cast<std::size_t>(most - values.begin())].get<double>());
   } else {
-    text +=
-        fmt::format("pair correlation: {}\n", averages["pair_correlation"]["reason"].get<std::string>());
+    text += fmt::format("pair correlation: {}\n",
+                        averages["pair_correlation"]["reason"].get<std::string>());
   }
   return text;
 }
@@ -156,16 +158,17 @@ Json quality_json(const QualityRequest& request, const Plan& plan, const DeviceF
 
 std::string quality_table(const Json& json) {
   const Json& points = json["points"];
-  std::string text = fmt::format(
-      "{}, d = {}, N = {}, {} bits; {}; measures of {}\n\n", points["sampler"].get<std::string>(),
-      points["dim"].get<std::uint32_t>(), points["n"].get<std::uint64_t>(),
-      points["coordinate_bits"].get<std::uint32_t>(),
-      json["context"]["device"]["name"].get<std::string>(),
-      points["randomized"] == true ? "replicate 0" : "the one set there is");
+  std::string text =
+      fmt::format("{}, d = {}, N = {}, {} bits; {}; measures of {}\n\n",
+                  points["sampler"].get<std::string>(), points["dim"].get<std::uint32_t>(),
+                  points["n"].get<std::uint64_t>(), points["coordinate_bits"].get<std::uint32_t>(),
+                  json["context"]["device"]["name"].get<std::string>(),
+                  points["randomized"] == true ? "replicate 0" : "the one set there is");
   for (const auto& [name, measure] : json["measures"].items())
     if (!repeats_exact(name, measure)) text += measure_line(measure);
   const auto sets = json["averages"]["sets"].get<std::uint32_t>();
-  text += fmt::format("\nover {} set{}\n", sets, sets == 1 ? "" : "s") + averages_text(json["averages"]);
+  text += fmt::format("\nover {} set{}\n", sets, sets == 1 ? "" : "s") +
+          averages_text(json["averages"]);
   if (!json["koksma_hlawka"].empty()) text += "\nKoksma-Hlawka\n";
   for (const Json& k : json["koksma_hlawka"]) text += inequality_line(k);
   return text;
