@@ -148,7 +148,7 @@ TEST_CASE("t of known nets: Sobol' 0 in d = 1, 2 and 1 in d = 3, Hammersley 0, e
     hammersley.x.push_back(first.x[i]);
   }
   CHECK(t_of(hammersley) == 0);
-  CHECK(t_of({3, std::vector<double>(3 * 64, 0.5)}) == 6);
+  CHECK(t_of({3, std::vector<double>(192, 0.5)}) == 6);
 }
 
 TEST_CASE("t is the least for which all intervals are full: one point moved spoils it",

@@ -24,10 +24,11 @@ std::vector<PointSet> white_noise(std::uint64_t n, std::uint32_t sets) {
 
 PointSet grid(std::uint32_t side) {
   PointSet set{2, {}};
-  for (std::uint32_t i = 0; i < side * side; ++i) {
-    set.x.push_back((i % side + 0.5) / side);
-    set.x.push_back((i / side + 0.5) / side);
-  }
+  for (std::uint32_t i = 0; i < side; ++i)
+    for (std::uint32_t k = 0; k < side; ++k) {
+      set.x.push_back((k + 0.5) / side);
+      set.x.push_back((i + 0.5) / side);
+    }
   return set;
 }
 
@@ -62,7 +63,7 @@ TEST_CASE("the power spectrum is the periodogram, at every frequency and its neg
   const PointSet p = test::lcg_points(37, 2, 4);
   const std::uint32_t reach = 21;
   const PowerSpectrum s = power_spectrum(quality_kernels(), {p}, reach);
-  REQUIRE(s.power.size() == 43 * 43);
+  REQUIRE(s.power.size() == 1849);
   for (int kx = -21; kx <= 21; ++kx)
     for (int ky = -21; ky <= 21; ++ky) {
       double re = 0, im = 0;
@@ -71,7 +72,7 @@ TEST_CASE("the power spectrum is the periodogram, at every frequency and its neg
         re += std::cos(phase);
         im += std::sin(phase);
       }
-      const auto index = static_cast<std::size_t>((kx + 21) * 43 + ky + 21);
+      const auto index = static_cast<std::size_t>(kx + 21) * 43 + static_cast<std::size_t>(ky + 21);
       REQUIRE(s.power[index] == Approx((re * re + im * im) / 37).margin(1e-11));
     }
 }

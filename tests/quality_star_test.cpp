@@ -55,7 +55,7 @@ TEST_CASE("the exact star discrepancy equals brute force, with ties, repeated po
   for (const std::uint32_t d : {1U, 2U, 3U})
     for (const std::uint64_t n : {1U, 2U, 15U, 16U, 17U, 33U})
       for (const int shift : {44, 61}) {  // multiples of 2^-20, of 1/8
-        const PointSet p = lcg_points(n, d, n + 100 * d, shift);
+        const PointSet p = lcg_points(n, d, n + std::uint64_t{100} * d, shift);
         INFO("n = " << n << ", d = " << d << ", shift = " << shift);
         CHECK(star_exact(quality_kernels(), p) == Approx(brute_force(p)).margin(1e-14));
       }
@@ -93,7 +93,7 @@ TEST_CASE("in one dimension it is the formula of the sorted points", "[device]")
 
 TEST_CASE("threshold accepting <= exact <= bracketing cover, and both are near", "[device]") {
   for (const std::uint32_t d : {1U, 2U, 3U})
-    for (const auto& p : {lcg_points(50, d, 7 * d), lcg_points(60, d, d, 61), drawn("sobol", 64, d),
+    for (const auto& p : {lcg_points(50, d, d + 6), lcg_points(60, d, d, 61), drawn("sobol", 64, d),
                           drawn("lattice", 64, d)}) {
       const double exact = star_exact(quality_kernels(), p);
       const double lower = star_lower_bound(quality_kernels(), p, {32, 32, 1});

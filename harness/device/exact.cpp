@@ -51,10 +51,9 @@ const Json* matching_check(const Integrand& integrand, const Scene& scene) {
 ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene) {
   ExactValues result;
   std::array<double, 4> out{};
-  const bool computes = integrand.mean.kind == Kind::formula ||
-                        integrand.variance.kind == Kind::formula ||
-                        integrand.mean_abs.kind == Kind::formula ||
-                        integrand.variation.kind == Kind::formula;
+  const bool computes =
+      integrand.mean.kind == Kind::formula || integrand.variance.kind == Kind::formula ||
+      integrand.mean_abs.kind == Kind::formula || integrand.variation.kind == Kind::formula;
   if (computes || !integrand.coefficients.empty()) {
     const BuiltProgram built = device.build(exact_program(integrand));
     checked([&] {

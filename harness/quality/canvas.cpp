@@ -1,15 +1,12 @@
 #include "quality/canvas.hpp"
 
+#include <stb/stb_easy_font.h>
+#include <stb/stb_image_write.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#define STBI_WRITE_NO_STDIO
-#include <stb/stb_easy_font.h>
-#include <stb/stb_image_write.h>
 
 namespace koksma {
 namespace {

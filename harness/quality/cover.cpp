@@ -84,7 +84,7 @@ StarCover star_upper_bound(QualityKernels& kernels, const PointSet& points, doub
   Decomposition cover(resolution, kernels.fp64(), [&](const auto& lower, const auto& upper) {
     batch.insert(batch.end(), lower.begin(), lower.end());
     batch.insert(batch.end(), upper.begin(), upper.end());
-    if (batch.size() >= kBracketsAtOnce * 2 * points.dim) flush();
+    if (batch.size() / (2 * std::size_t{points.dim}) >= kBracketsAtOnce) flush();
     return true;
   });
   cover.cut(std::vector<double>(points.dim, 0.0), std::vector<double>(points.dim, 1.0), 0);

@@ -24,7 +24,7 @@ std::vector<double> half_spectrum(QualityKernels& kernels, const PointSet& point
   std::vector<double> result;
   for (std::uint32_t kx = 0; kx <= reach; ++kx) {
     const auto begin = all.begin() + static_cast<std::ptrdiff_t>(kx) * row;
-    result.insert(result.end(), begin, begin + 2 * reach + 1);
+    result.insert(result.end(), begin, begin + 2 * static_cast<std::ptrdiff_t>(reach) + 1);
   }
   return result;
 }
