@@ -30,10 +30,9 @@ typedef KOKSMA_FLOAT scalar;  // one number of the cell's precision
 typedef KOKSMA_WORD word;     // an unsigned integer of the same size
 typedef __global const scalar *coefficients;  // [dimension][coefficient]
 
-// Before a loop over the dimensions. Up to this many, the state can live in registers, which takes constant subscripts in
-// every loop that touches it, and PoCL leaves such loops rolled by itself: worth 27 % at d = 8 in fp32 (AVX-512, measured
-// 2026-11-22), nothing or a loss from d = 24 on.
-#if KOKSMA_DIM <= 16
+// Before a loop over the dimensions. Where there are few, the state can live in registers, which takes constant
+// subscripts in every loop that touches it, and PoCL leaves such loops rolled by itself.
+#if KOKSMA_UNROLLED
 #define KOKSMA_UNROLL _Pragma("unroll")
 #else
 #define KOKSMA_UNROLL
@@ -52,6 +51,7 @@ typedef uint words32;
 #define load_lanes(pointer) (*(pointer))
 #define store_lanes(value, pointer) (*(pointer) = (value))
 static inline real select_real(mask m, real yes, real no) { return m ? yes : no; }
+static inline bits select_bits(mask m, bits yes, bits no) { return m ? yes : no; }
 static inline int any_lane(mask m) { return m != 0; }
 static inline int all_lanes(mask m) { return m != 0; }
 static inline mask not_lanes(mask m) { return !m; }
@@ -70,6 +70,7 @@ typedef KOKSMA_PASTE(uint, KOKSMA_LANES_PER_ITEM) words32;
 #define load_lanes(pointer) KOKSMA_PASTE(vload, KOKSMA_LANES_PER_ITEM)(0, pointer)
 #define store_lanes(value, pointer) KOKSMA_PASTE(vstore, KOKSMA_LANES_PER_ITEM)(value, 0, pointer)
 static inline real select_real(mask m, real yes, real no) { return select(no, yes, m); }
+static inline bits select_bits(mask m, bits yes, bits no) { return select(no, yes, m); }
 static inline int any_lane(mask m) { return any(m); }
 static inline int all_lanes(mask m) { return all(m); }
 static inline mask not_lanes(mask m) { return ~m; }
@@ -127,3 +128,12 @@ static inline real unit_from_word(bits w) {
   const uint shift = 8 * sizeof(word) - KOKSMA_MANTISSA_BITS;
   return unit_from_mantissa(w >> (word)shift | (word)KOKSMA_ONE_PATTERN);
 }
+
+#if KOKSMA_ROTATED
+// The family that follows is wrapped by rotate.cl.
+#define points unrotated_points
+#define points_seek unrotated_seek
+#define points_next unrotated_next
+#define points_step unrotated_step
+#define points_drawn unrotated_drawn
+#endif

@@ -34,9 +34,7 @@ std::vector<std::uint64_t> boost_point(std::uint32_t dim, std::uint64_t index) {
 
 double fraction52(std::uint64_t word) { return std::ldexp(static_cast<double>(word >> 12), -52); }
 
-bool is_net(const Sampler& s) {
-  return std::find(s.properties.begin(), s.properties.end(), "digital-net") != s.properties.end();
-}
+bool is_net(const Sampler& s) { return test::has_property(s, "digital-net"); }
 
 // Every elementary interval of area 2^-m in base 2 holds exactly one of the first 2^m points (t =
 // 0).
@@ -88,6 +86,7 @@ TEST_CASE("sobol in the last tabulated dimension equals Boost's", "[device]") {
 TEST_CASE("declared known answers hold", "[device]") {
   std::size_t answers = 0;
   for (const Sampler& s : test::catalog().samplers) {
+    if (!test::complete(s)) continue;
     for (const Json& known : s.known_answers) {
       const auto expected = known["points"].get<std::vector<std::vector<double>>>();
       const std::uint32_t dim = known["dim"];
@@ -105,14 +104,19 @@ TEST_CASE(
     "every base-2 net keeps all elementary intervals of a (0,m,2)-net, whatever its randomization",
     "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
-    if (!is_net(s)) continue;
-    for (const Precision precision : {Precision::fp32, Precision::fp64}) {
-      for (std::uint32_t r = 0; r < (s.replicable ? 4U : 1U); ++r) {
-        const auto drawn = points(
-            {.sampler = s.name, .dim = 2, .precision = precision, .count = 1024, .replicate = r});
+    if (!is_net(s) || !test::complete(s)) continue;
+    for (const Precision precision : test::precisions(s)) {
+      for (const std::uint32_t r : test::some_replicates(s)) {
         for (const unsigned m : {1U, 2U, 4U, 7U, 10U}) {
-          INFO(s.name << " replicate " << r << " m " << m);
-          REQUIRE(is_0m2_net({drawn.begin(), drawn.begin() + (2L << m)}, m));
+          INFO(s.name << " " << precision_name(precision) << " replicate " << r << " m " << m);
+          const std::uint64_t n = std::uint64_t{1} << m;
+          REQUIRE(is_0m2_net(points({.sampler = s.name,
+                                     .dim = 2,
+                                     .precision = precision,
+                                     .count = n,
+                                     .replicate = r,
+                                     .n = n}),
+                             m));
         }
       }
     }
@@ -121,50 +125,92 @@ TEST_CASE(
 
 TEST_CASE("replicates of a randomized sampler differ, and so do seeds", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
-    if (!s.replicable) continue;
+    if (!s.replicable || !test::complete(s)) continue;
     INFO(s.name);
-    const auto first = points({.sampler = s.name, .dim = 3, .count = 16});
-    CHECK(first != points({.sampler = s.name, .dim = 3, .count = 16, .replicate = 1}));
-    CHECK(first != points({.sampler = s.name, .dim = 3, .count = 16, .seed = 2}));
+    const std::uint32_t dim = test::usual_dim(s);
+    const auto first = points({.sampler = s.name, .dim = dim, .count = 16});
+    CHECK(first != points({.sampler = s.name, .dim = dim, .count = 16, .replicate = 1}));
+    CHECK(first != points({.sampler = s.name, .dim = dim, .count = 16, .seed = 2}));
   }
 }
 
 TEST_CASE("random access equals replay from the start", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
-    for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+    if (!test::complete(s)) continue;
+    const std::uint32_t dim = test::usual_dim(s);
+    const std::uint64_t n = test::admitted_size(s, dim, 4096);
+    for (const Precision precision : test::precisions(s)) {
       INFO(s.name << " " << precision_name(precision));
-      const auto replayed = points(
-          {.sampler = s.name, .dim = 5, .precision = precision, .count = 4096, .log2_block = 12});
-      const auto accessed = points(
-          {.sampler = s.name, .dim = 5, .precision = precision, .count = 4096, .log2_block = 4});
+      const auto replayed = points({.sampler = s.name,
+                                    .dim = dim,
+                                    .precision = precision,
+                                    .count = 4096,
+                                    .log2_block = 12,
+                                    .n = n});
+      const auto accessed = points({.sampler = s.name,
+                                    .dim = dim,
+                                    .precision = precision,
+                                    .count = 4096,
+                                    .log2_block = 4,
+                                    .n = n});
       REQUIRE(replayed == accessed);
-      const auto part = points(
-          {.sampler = s.name, .dim = 5, .precision = precision, .start = 1234, .count = 2862});
-      REQUIRE(std::equal(part.begin(), part.end(), replayed.begin() + 5L * 1234));
+      const auto part = points({.sampler = s.name,
+                                .dim = dim,
+                                .precision = precision,
+                                .start = 1234,
+                                .count = 2862,
+                                .n = n});
+      REQUIRE(std::equal(part.begin(), part.end(), replayed.begin() + 1234L * dim));
     }
   }
 }
 
-TEST_CASE("random access equals replay around index 2^32", "[device]") {
+TEST_CASE("random access equals replay around index 2^32, for sets that reach it", "[device]") {
+  std::size_t reaching = 0;
   for (const Sampler& s : test::catalog().samplers) {
-    if (s.max_log2_n <= 33) continue;
+    if (s.max_log2_n <= 33 || !test::complete(s)) continue;
+    ++reaching;
     INFO(s.name);
-    const std::uint64_t start = (1ULL << 32) - 4096;
-    const auto replayed =
-        points({.sampler = s.name, .dim = 3, .start = start, .count = 8192, .log2_block = 12});
-    REQUIRE(replayed ==
-            points({.sampler = s.name, .dim = 3, .start = start, .count = 8192, .log2_block = 4}));
-    const auto wrapped = points({.sampler = s.name, .dim = 3, .count = 4096});
-    REQUIRE_FALSE(std::equal(wrapped.begin(), wrapped.end(), replayed.begin() + 3L * 4096));
+    const std::uint32_t dim = test::usual_dim(s);
+    const std::uint64_t start = (1ULL << 32) - 4096, n = test::admitted_size(s, dim, start + 8192);
+    const auto replayed = points(
+        {.sampler = s.name, .dim = dim, .start = start, .count = 8192, .log2_block = 12, .n = n});
+    REQUIRE(replayed == points({.sampler = s.name,
+                                .dim = dim,
+                                .start = start,
+                                .count = 8192,
+                                .log2_block = 4,
+                                .n = n}));
+    const auto wrapped = points({.sampler = s.name, .dim = dim, .count = 4096, .n = n});
+    REQUIRE_FALSE(std::equal(wrapped.begin(), wrapped.end(), replayed.begin() + 4096L * dim));
+  }
+  CHECK(reaching > 5);
+}
+
+TEST_CASE(
+    "the first points of a larger set are the smaller set where the entry says so, and only there",
+    "[device]") {
+  for (const Sampler& s : test::catalog().samplers) {
+    if (!test::complete(s)) continue;
+    const std::uint32_t dim = test::usual_dim(s);
+    const std::uint64_t small = test::admitted_size(s, dim, 200),
+                        large = test::admitted_size(s, dim, small + 1);
+    const auto few = points({.sampler = s.name, .dim = dim, .count = small, .n = small});
+    const auto many = points({.sampler = s.name, .dim = dim, .count = large, .n = large});
+    INFO(s.name << " " << small << " and " << large);
+    CHECK(std::equal(few.begin(), few.end(), many.begin()) == s.extensible);
   }
 }
 
 TEST_CASE("fp32 draws the points of fp64 at 23 bits", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
-    const std::uint32_t dim = 6;
-    const auto fine = points({.sampler = s.name, .dim = dim, .count = 512});
-    const auto coarse =
-        points({.sampler = s.name, .dim = dim, .precision = Precision::fp32, .count = 512});
+    if (!test::complete(s) || s.precisions.size() < 2) continue;
+    const std::uint32_t dim = test::usual_dim(s);
+    const std::uint64_t n = test::grid_size(s, dim);
+    const std::uint64_t count = std::min<std::uint64_t>(n, 1024);
+    const auto fine = points({.sampler = s.name, .dim = dim, .count = count, .n = n});
+    const auto coarse = points(
+        {.sampler = s.name, .dim = dim, .precision = Precision::fp32, .count = count, .n = n});
     for (std::size_t i = 0; i < fine.size(); ++i) {
       INFO(s.name << " value " << i);
       REQUIRE(std::floor(std::ldexp(fine[i], 23)) == std::floor(std::ldexp(coarse[i], 23)));
@@ -173,27 +219,34 @@ TEST_CASE("fp32 draws the points of fp64 at 23 bits", "[device]") {
 }
 
 TEST_CASE("coordinates are the same bits for 1, 4, 8 and 16 lanes per work-item", "[device]") {
+  // One sampler for each kernel: others of the same text differ by their tables only. Sums at every
+  // width in both precisions are compared in pieces_test.cpp.
+  std::set<std::string> seen;
   for (const Sampler& s : test::catalog().samplers) {
-    for (const Precision precision : {Precision::fp32, Precision::fp64}) {
-      const auto wide = points({.sampler = s.name, .dim = 5, .precision = precision, .count = 512});
-      for (const std::uint32_t lanes : {1U, 4U, 8U}) {
-        INFO(s.name << " lanes " << lanes);
-        REQUIRE(wide == points({.sampler = s.name,
-                                .dim = 5,
-                                .precision = precision,
-                                .count = 512,
-                                .lanes_per_item = lanes}));
-      }
+    if (!test::complete(s)) continue;
+    const std::uint32_t dim = test::usual_dim(s);
+    const Plan plan =
+        make_points_plan(test::catalog(), s.name, dim, Precision::fp64,
+                         test::admitted_size(s, dim, 512), 1, 1, test::device().facts());
+    if (!seen.insert(plan.program.text).second) continue;
+    const auto wide = points({.sampler = s.name, .dim = dim, .count = 512});
+    for (const std::uint32_t lanes : {1U, 4U, 8U}) {
+      INFO(s.name << " lanes " << lanes);
+      REQUIRE(wide ==
+              points({.sampler = s.name, .dim = dim, .count = 512, .lanes_per_item = lanes}));
     }
   }
 }
 
 TEST_CASE("coordinates lie in the declared range and on the declared grid", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
-    for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+    if (!test::complete(s)) continue;
+    const std::uint32_t dim = test::usual_dim(s);
+    for (const Precision precision : test::precisions(s)) {
       const int bits = precision == Precision::fp32 ? 23 : 52;
+      const std::uint64_t n = test::grid_size(s, dim);
       for (const double x :
-           points({.sampler = s.name, .dim = 8, .precision = precision, .count = 1 << 14})) {
+           points({.sampler = s.name, .dim = dim, .precision = precision, .count = n, .n = n})) {
         const double units = std::ldexp(x, bits) - (s.centred ? 0.5 : 0.0);
         INFO(s.name << " x = " << x);
         REQUIRE((x < 1 && (s.centred ? x > 0 : x >= 0)));
@@ -209,10 +262,10 @@ TEST_CASE(
     "[device]") {
   // The conversions of prelude.cl and lattice.cl on chosen words, through a kernel of this test.
   const std::string body = R"(
-__kernel void convert(__global const word *words, __global scalar *out) {
+__kernel void convert(__global const word *words, __global const word *zeros, __global scalar *out) {
   const size_t i = get_global_id(0);
   out[2 * i] = unit_from_word(words[i]);
-  points p; p.dim = 0; p.state[0] = words[i];
+  points p; p.dim = 0; p.j = 0; p.lanes = zeros; p.state[0] = words[i];
   out[2 * i + 1] = points_next(&p);
 })";
   for (const bool fp64 : {false, true}) {
@@ -238,8 +291,11 @@ __kernel void convert(__global const word *words, __global scalar *out) {
                                  : device.upload(narrow.data(), narrow.size() * 4);
       const cl::Buffer out = device.allocate(words.size() * 2 * (fp64 ? 8 : 4));
       cl::Kernel kernel(device.build({"conversions", text, "-cl-std=CL1.2 -w"}).program, "convert");
+      const std::uint64_t none[2] = {0, 0};
+      const cl::Buffer zeros = device.upload(none, sizeof(none));
       kernel.setArg(0, in);
-      kernel.setArg(1, out);
+      kernel.setArg(1, zeros);
+      kernel.setArg(2, out);
       device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(words.size()),
                                           cl::NDRange(1));
       std::vector<double> wide(fp64 ? words.size() * 2 : 0);
@@ -269,32 +325,69 @@ __kernel void convert(__global const word *words, __global scalar *out) {
 TEST_CASE(
     "random equals Random123 bit for bit, in the documented order, at any index and replicate",
     "[device]") {
-  const std::uint32_t dim = 11;
+  // Word j of a point: two output words of one block or of two (kernels/README.md, "Random
+  // streams").
   const std::uint64_t seed = 0x123456789ABCDEF0;
-  for (const std::uint64_t start : {0ULL, (1ULL << 32) - 8, (1ULL << 40) + 3}) {
-    for (const std::uint32_t r : {0U, 7U}) {
-      const auto drawn = points({.sampler = "random",
-                                 .dim = dim,
-                                 .start = start,
-                                 .count = 24,
-                                 .replicate = r,
-                                 .seed = seed});
-      for (std::uint64_t i = 0; i < 24; ++i) {
-        for (std::uint32_t j = 0; j < dim; ++j) {
-          const auto block = [&](std::uint32_t half) {
-            const r123::Philox4x32::ctr_type counter{{static_cast<std::uint32_t>(start + i),
-                                                      static_cast<std::uint32_t>((start + i) >> 32),
-                                                      r, 2 * (j / 4) + half}};
-            return r123::Philox4x32{}(counter, {{static_cast<std::uint32_t>(seed),
-                                                 static_cast<std::uint32_t>(seed >> 32)}})[j % 4];
-          };
-          const std::uint64_t word = std::uint64_t{block(0)} << 32 | block(1);
-          INFO("index " << start + i << " dimension " << j);
-          REQUIRE(drawn[i * dim + j] == fraction52(word) + std::ldexp(1.0, -53));
+  const auto word = [&](std::uint64_t index, std::uint32_t r, std::uint32_t j, std::uint32_t dim) {
+    const auto block = [&](std::uint32_t number) {
+      const r123::Philox4x32::ctr_type counter{
+          {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32), r, number}};
+      return r123::Philox4x32{}(
+          counter, {{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}});
+    };
+    const std::uint32_t k = j / 4;
+    const bool one_block = dim - 4 * k <= 2;
+    const std::uint32_t high = block(2 * k)[j % 4],
+                        low = one_block ? block(2 * k)[j % 4 + 2] : block(2 * k + 1)[j % 4];
+    return std::uint64_t{high} << 32 | low;
+  };
+  for (const std::uint32_t dim : {1U, 2U, 11U, 21U}) {
+    for (const std::uint64_t start : {0ULL, (1ULL << 32) - 8, (1ULL << 40) + 3}) {
+      for (const std::uint32_t r : {0U, 7U}) {
+        const auto drawn = points({.sampler = "random",
+                                   .dim = dim,
+                                   .start = start,
+                                   .count = 24,
+                                   .replicate = r,
+                                   .seed = seed});
+        for (std::uint64_t i = 0; i < 24; ++i) {
+          for (std::uint32_t j = 0; j < dim; ++j) {
+            INFO("index " << start + i << " dimension " << j << " of " << dim);
+            REQUIRE(drawn[i * dim + j] ==
+                    fraction52(word(start + i, r, j, dim)) + std::ldexp(1.0, -53));
+          }
         }
       }
     }
   }
+}
+
+TEST_CASE("antithetic points come in pairs x and 1 - x, each pair new", "[device]") {
+  std::size_t samplers = 0;
+  for (const Sampler& s : test::catalog().samplers) {
+    if (!test::has_property(s, "antithetic-pairs")) continue;
+    ++samplers;
+    for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+      for (const std::uint32_t lanes : {1U, 4U, 16U}) {
+        for (const std::uint64_t start : {0ULL, (1ULL << 33) - 8}) {
+          const auto drawn = points({.sampler = s.name,
+                                     .dim = 5,
+                                     .precision = precision,
+                                     .start = start,
+                                     .count = 64,
+                                     .lanes_per_item = lanes});
+          std::set<double> firsts;
+          for (std::size_t i = 0; i < 64; i += 2) {
+            firsts.insert(drawn[5 * i]);
+            for (std::size_t j = 0; j < 5; ++j)
+              REQUIRE(drawn[5 * i + j] + drawn[5 * (i + 1) + j] == 1);
+          }
+          CHECK(firsts.size() == 32);
+        }
+      }
+    }
+  }
+  CHECK(samplers > 0);
 }
 
 TEST_CASE("Random123's published known answers of Philox4x32-10 hold for the host's draws",
@@ -322,9 +415,9 @@ TEST_CASE("draws for different purposes, replicates, dimensions and indices are 
 TEST_CASE("a lattice's first 2^k points are the multiples of its generating vector, in Gray order",
           "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
-    if (std::find(s.properties.begin(), s.properties.end(), "lattice") == s.properties.end())
-      continue;
+    if (!test::has_property(s, "lattice")) continue;
     const std::uint32_t dim = 9;
+    if (s.options["vector"] == "random") continue;
     const Json vector = parse_json(
         embedded_text("kernels/points/vectors/" + s.options["vector"].get<std::string>() + ".json"),
         "test");

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <map>
 #include <set>
 
+#include "catalog/sizes.hpp"
 #include "error/error.hpp"
 #include "tests/support.hpp"
 
@@ -37,6 +39,11 @@ struct StudyFile {
     return "";
   }
 };
+
+bool needs_parameters(const Sampler& s) {
+  return std::any_of(s.parameters.begin(), s.parameters.end(),
+                     [](const SamplerParameter& p) { return p.required; });
+}
 
 template <typename Keep>
 const Sampler& any_sampler(Keep keep) {
@@ -238,24 +245,33 @@ TEST_CASE("values of the wrong kind or out of range in a study name their JSON p
   refused("/cells/0/scenes/0", 1);
 }
 
-TEST_CASE("an N that is no power of two names the nearest two, where the sampler needs one",
-          "[unit]") {
+TEST_CASE("an N that a sampler can not give names the nearest that it can", "[unit]") {
   StudyFile file;
-  std::size_t needing = 0;
+  std::set<std::string> forms;
   for (const Sampler& s : test::catalog().samplers) {
-    needing += s.power_of_two ? 1 : 0;
+    if (needs_parameters(s)) continue;
+    const std::uint32_t d = std::min(2U, s.max_dim);
     file.block()["samplers"] = {s.name};
-    file.json["n"] = "2^6,1000";
+    file.block()["scenes"] = {fmt::format("linear-prod:d={}", d)};
+    file.json["n"] = "997";  // a prime
     INFO(s.name);
-    if (s.power_of_two)
-      CHECK_THAT(file.refusal(),
-                 Contains(file.path() + ", at '/n': N = 1000 for sampler '" + s.name + "'") &&
-                     Contains("the nearest are 512 and 1024"));
-    else
+    if (s.size_form == "any") {
       CHECK(file.refusal().empty());
+      continue;
+    }
+    forms.insert(s.size_form);
+    const std::map<std::string, std::string> nearest{{"even", "996 and 998"},
+                                                     {"power-of-two", "512 and 1024"},
+                                                     {"power-of-d", "961 and 1024"},
+                                                     {"rectangle", "992 and 999"}};
+    CHECK_THAT(file.refusal(),
+               Contains(file.path() + ", at '/n': N = 997 for sampler '" + s.name + "'") &&
+                   Contains("the nearest are " + nearest.at(s.size_form)));
   }
-  CHECK(needing > 0);
-  file.block()["samplers"] = {any_sampler([](const Sampler& s) { return s.power_of_two; }).name};
+  CHECK(forms.count("power-of-two") == 1);
+  file.block()["scenes"] = {"linear-prod:d=3"};
+  file.block()["samplers"] = {
+      any_sampler([](const Sampler& s) { return s.size_form == "power-of-two"; }).name};
   file.block()["n"] = "96";
   CHECK_THAT(file.refusal(), Contains("at '/cells/0/n': N = 96") && Contains("64 and 128"));
   file.flags.n = "48";
@@ -265,9 +281,12 @@ TEST_CASE("an N that is no power of two names the nearest two, where the sampler
 TEST_CASE("an N that a sampler does not have is told with its largest", "[unit]") {
   StudyFile file;
   for (const Sampler& s : test::catalog().samplers) {
+    if (needs_parameters(s)) continue;
     INFO(s.name);
     file.flags.samplers = {s.name};
-    file.flags.n = fmt::format("2^{}", std::min(s.max_log2_n, 62U));
+    file.flags.scenes = {fmt::format("linear-prod:d={}", std::min(2U, s.max_dim))};
+    file.flags.n = fmt::format(
+        "{}", *nearest_sizes(s, 2, std::uint64_t{1} << std::min(s.max_log2_n, 62U)).below);
     CHECK(file.refusal().empty());
     if (s.max_log2_n >= 62) continue;
     file.flags.n = fmt::format("2^{}", s.max_log2_n + 1);
@@ -283,12 +302,13 @@ TEST_CASE("more dimensions than a sampler has are refused, unless a file brings 
   StudyFile file;
   std::size_t limited = 0;
   for (const Sampler& s : test::catalog().samplers) {
-    if (s.max_dim >= wide.max_dim) continue;
+    if (s.max_dim >= wide.max_dim || needs_parameters(s)) continue;
     ++limited;
     INFO(s.name);
     file.flags = {};
     file.block()["samplers"] = {s.name};
     file.block()["scenes"] = {fmt::format("linear-prod:d={}", s.max_dim)};
+    file.block()["n"] = s.size_form == "power-of-d" ? "1" : "64";
     CHECK(file.refusal().empty());
     file.block()["scenes"] = {fmt::format("linear-prod:d={}", s.max_dim + 1)};
     CHECK_THAT(file.refusal(), Contains("at '/cells/0/samplers/0'") &&
@@ -306,9 +326,11 @@ TEST_CASE(
   StudyFile file;
   std::size_t refused = 0;
   for (const Sampler& s : test::catalog().samplers) {
+    if (needs_parameters(s)) continue;
     for (const Estimator& e : test::catalog().estimators) {
       INFO(s.name << " " << e.name);
       file.block()["samplers"] = {s.name};
+      file.block()["scenes"] = {fmt::format("linear-prod:d={}", std::min(2U, s.max_dim))};
       file.block()["estimator"] = e.name;
       const std::string message = file.refusal();
       if (fits(e, s)) {

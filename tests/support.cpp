@@ -2,12 +2,15 @@
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+
+#include "catalog/sizes.hpp"
 
 namespace koksma::test {
 
@@ -22,12 +25,51 @@ Device& device() {
 }
 
 std::vector<double> points(const PointsSpec& spec) {
-  const std::uint64_t end = spec.start + spec.count;
+  const Sampler sampler = catalog().sampler(spec.sampler, "test");
+  std::uint64_t end = spec.start + spec.count;
+  if (!sampler.extensible) end = spec.n > 0 ? spec.n : admitted_size(sampler, spec.dim, end);
   Plan plan = make_points_plan(catalog(), spec.sampler, spec.dim, spec.precision, end,
                                spec.replicate + 1, spec.seed, device().facts(), "",
                                LaunchShape{spec.lanes_per_item, 1, {}, {}});
   PointsDump dump(device(), plan);
   return dump.read(spec.start, spec.count, end, spec.replicate, spec.log2_block);
+}
+
+bool has_property(const Sampler& sampler, std::string_view property) {
+  return std::find(sampler.properties.begin(), sampler.properties.end(), property) !=
+         sampler.properties.end();
+}
+
+bool complete(const Sampler& sampler) {
+  return std::none_of(sampler.parameters.begin(), sampler.parameters.end(),
+                      [](const SamplerParameter& p) { return p.required; });
+}
+
+std::vector<Precision> precisions(const Sampler& sampler) {
+  std::vector<Precision> result;
+  for (const std::string& name : sampler.precisions)
+    result.push_back(name == "fp32" ? Precision::fp32 : Precision::fp64);
+  return result;
+}
+
+std::vector<std::uint32_t> some_replicates(const Sampler& sampler) {
+  return sampler.replicable ? std::vector<std::uint32_t>{0, 1, 2, 3}
+                            : std::vector<std::uint32_t>{0};
+}
+
+std::uint32_t usual_dim(const Sampler& sampler) {
+  return std::clamp(5U, sampler.min_dim, sampler.max_dim);
+}
+
+std::uint64_t grid_size(const Sampler& sampler, std::uint32_t dim) {
+  const std::uint32_t log2_n = sampler.size_form == "power-of-d" ? 14 / dim * dim : 14;
+  return std::uint64_t{1} << std::min(log2_n, sampler.max_log2_n);
+}
+
+std::uint64_t admitted_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t at_least) {
+  const auto size = nearest_sizes(sampler, dim, at_least).above;
+  if (!size) throw std::runtime_error("no such size of " + sampler.name);
+  return *size;
 }
 
 Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n,

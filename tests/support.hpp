@@ -26,9 +26,30 @@ struct PointsSpec {
   std::uint32_t replicate = 0, log2_block = 8;
   std::uint64_t seed = 1;
   std::uint32_t lanes_per_item = 16;
+  std::uint64_t n =
+      0;  // size of a set that is not extensible; 0: the smallest that holds the points
 };
 // [point][dimension]
 std::vector<double> points(const PointsSpec& spec);
+
+// Whether the sampler's entry declares this property.
+bool has_property(const Sampler& sampler, std::string_view property);
+
+// False for samplers that are nothing without a text of the user's, such as the path of a file.
+bool complete(const Sampler& sampler);
+
+std::vector<Precision> precisions(const Sampler& sampler);
+// One of a deterministic sampler, four of a randomized one.
+std::vector<std::uint32_t> some_replicates(const Sampler& sampler);
+// The dimension of tests that need none in particular, so that they share programs: 5, or the
+// nearest there is.
+std::uint32_t usual_dim(const Sampler& sampler);
+// A size near 2^14 at which all coordinates lie on the binary grid: whole powers of two, also per
+// dimension.
+std::uint64_t grid_size(const Sampler& sampler, std::uint32_t dim);
+
+// The smallest N >= at_least that the sampler has in `dim` dimensions.
+std::uint64_t admitted_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t at_least);
 
 // A cell of one size.
 Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n,

@@ -7,6 +7,7 @@
 
 #include "catalog/embedded.hpp"
 #include "catalog/read_entry.hpp"
+#include "catalog/sampler_parameters.hpp"
 #include "error/error.hpp"
 
 namespace koksma {
@@ -34,8 +35,13 @@ void read_kernels(Catalog& catalog, const EmbeddedFile& file) {
   const std::string_view path = file.path;
   if (is_json_in(path, "kernels/points/")) {
     const Json entry = checked_entry(path, file.text, "harness/catalog/points.schema.json");
-    catalog.families.push_back(
-        {entry["family"], entry["title"], entry["citation"], embedded_code_beside(path)});
+    Family family{
+        entry["family"], entry["title"], entry["citation"], embedded_code_beside(path), {}};
+    for (const Json& part : entry.value("parts", Json::array())) {
+      const std::string code = fmt::format("kernels/points/parts/{}.cl", part.get<std::string>());
+      family.parts.push_back({code, std::string(embedded_text(code))});
+    }
+    catalog.families.push_back(std::move(family));
     for (const Json& sampler : entry["samplers"])
       catalog.samplers.push_back(read_sampler(sampler, entry["family"]));
   } else if (is_json_in(path, "kernels/sums/")) {
@@ -111,8 +117,11 @@ Catalog load_catalog(const std::vector<std::string>& integrand_files) {
   return catalog;
 }
 
-const Sampler& Catalog::sampler(std::string_view name, std::string_view where) const {
-  return find_named(samplers, "sampler", name, where);
+Sampler Catalog::sampler(std::string_view text, std::string_view where) const {
+  const std::string_view name = text.substr(0, text.find(':'));
+  Sampler result = find_named(samplers, "sampler", name, where);
+  set_parameters(result, text.substr(name.size()), where);
+  return result;
 }
 const Integrand& Catalog::integrand(std::string_view name, std::string_view where) const {
   return find_named(integrands, "integrand", name, where);

@@ -19,6 +19,13 @@ struct SourceFile {
   std::string text;
 };
 
+// A text that is given with a sampler's name; it becomes an option of the table builder.
+struct SamplerParameter {
+  std::string name, meaning;
+  bool required = false;
+  std::vector<std::string> allowed;  // empty: anything
+};
+
 struct Sampler {
   std::string name, title, citation;
   std::string family;
@@ -26,11 +33,17 @@ struct Sampler {
   bool replicable = false;            // has independent randomizations
   std::vector<std::string> validity;  // iid, unbiased_replicates, linear, pairs (6-definitions 12)
   std::string default_estimator;
-  bool power_of_two = false;  // N must be a power of two
+  std::string size_form;   // which N there are (catalog/sizes.hpp)
+  bool extensible = true;  // the first points of a larger set are the smaller set
   unsigned max_log2_n = 0;
-  std::uint32_t max_dim = 0;
-  bool reads_directions = false;  // --directions replaces the built-in direction numbers
-  std::string rate_class;         // key into an integrand's expected rates
+  std::uint32_t min_dim = 1, max_dim = 0;
+  bool reads_directions = false;        // --directions replaces the built-in direction numbers
+  std::vector<std::string> precisions;  // "fp32", "fp64"
+  std::string rate_class;               // key into an integrand's expected rates
+  std::string rotated_rate_class;  // the same with :randomize=rotate; "" where there is no theory
+  bool rotated = false;            // randomized by a random shift modulo 1 of every coordinate
+  std::vector<SamplerParameter> parameters;  // NAME:key=value
+  std::map<std::string, double> speed;       // by precision: part of plain Sobol's coordinates/s
   std::vector<std::string> properties;
   Json options;                        // for the family's table builder
   std::map<std::string, int> defines;  // structure of the kernel
@@ -40,6 +53,7 @@ struct Sampler {
 struct Family {
   std::string name, title, citation;
   SourceFile code;
+  std::vector<SourceFile> parts;  // come before the code
 };
 
 struct Parameter {
@@ -109,7 +123,10 @@ struct Catalog {
   std::vector<Estimator> estimators;
 
   // Lookups throw InputError("<where>", …) with the nearest spelling.
-  const Sampler& sampler(std::string_view name, std::string_view where) const;
+  // A sampler as it is written, NAME or NAME:key=value,…: keys are the entry's parameters and, for
+  // deterministic sets, randomize=rotate (Cranley & Patterson 1976). The result's name is the
+  // canonical spelling.
+  Sampler sampler(std::string_view text, std::string_view where) const;
   const Integrand& integrand(std::string_view name, std::string_view where) const;
   const SumAlgorithm& sum(std::string_view name, std::string_view where) const;
   const Estimator& estimator(std::string_view name, std::string_view where) const;

@@ -69,11 +69,19 @@ Sampler read_sampler(const Json& entry, const std::string& family) {
   s.replicable = entry["replicable"];
   s.validity = entry["validity"].get<std::vector<std::string>>();
   s.default_estimator = entry["default_estimator"];
-  s.power_of_two = entry["n"]["power_of_two"];
+  s.size_form = entry["n"]["form"];
+  s.extensible = entry["n"]["extensible"];
   s.max_log2_n = entry["n"]["max_log2"];
+  s.min_dim = entry["dimensions"].value("min", 1U);
   s.max_dim = entry["dimensions"]["max"];
+  s.precisions = entry.value("precisions", std::vector<std::string>{"fp32", "fp64"});
   s.reads_directions = entry.value("reads_directions", false);
   s.rate_class = entry["rate_class"];
+  s.rotated_rate_class = entry.value("rotated_rate_class", "");
+  for (const Json& p : entry.value("parameters", Json::array()))
+    s.parameters.push_back(
+        {p["name"], p["meaning"], p["required"], p.value("allowed", std::vector<std::string>{})});
+  s.speed = entry.value("speed", std::map<std::string, double>{});
   s.properties = entry["properties"].get<std::vector<std::string>>();
   s.options = entry["options"];
   s.defines = entry["defines"].get<std::map<std::string, int>>();

@@ -64,16 +64,28 @@ Json list_integrands(const Catalog& catalog) {
 
 Json list_samplers(const Catalog& catalog) {
   Json list = Json::array();
-  for (const Sampler& s : catalog.samplers)
+  for (const Sampler& s : catalog.samplers) {
+    Json parameters = Json::array();
+    for (const SamplerParameter& p : s.parameters)
+      parameters.push_back({{"name", p.name}, {"meaning", p.meaning}, {"required", p.required}});
+    if (!s.replicable)
+      parameters.push_back({{"name", "randomize"},
+                            {"meaning", "rotate: a random shift modulo 1 of every coordinate"},
+                            {"required", false}});
     list.push_back({{"name", s.name},
                     {"title", s.title},
                     {"family", s.family},
                     {"estimators", fitting_estimators(catalog, s)},
                     {"range", s.centred ? "(0,1)" : "[0,1)"},
+                    {"min_dim", s.min_dim},
                     {"max_dim", s.max_dim},
+                    {"precisions", s.precisions},
                     {"max_log2_n", s.max_log2_n},
-                    {"power_of_two", s.power_of_two},
+                    {"n", s.size_form},
+                    {"extensible", s.extensible},
+                    {"parameters", parameters},
                     {"citation", s.citation}});
+  }
   return list;
 }
 

@@ -51,17 +51,27 @@ void write_csv(std::ofstream& file, const std::vector<double>& values, std::uint
   file.write(text.data(), static_cast<std::streamsize>(text.size()));
 }
 
+// Points of a set that is not extensible are those of the set of N points, from --start on.
+std::uint64_t end_of(const PointsOptions& options, const Sampler& sampler, std::uint64_t count) {
+  return sampler.extensible ? options.start + count : count;
+}
+
 void check(const PointsOptions& options, const Sampler& sampler, std::uint64_t count) {
-  if (options.dim == 0 ||
+  if (options.dim < sampler.min_dim ||
       (options.dim > sampler.max_dim && (options.directions.empty() || !sampler.reads_directions)))
-    throw InputError(
-        "--dim", fmt::format("{}", options.dim),
-        fmt::format("sampler '{}' has 1 to {} dimensions", sampler.name, sampler.max_dim));
+    throw InputError("--dim", fmt::format("{}", options.dim),
+                     fmt::format("sampler '{}' has {} to {} dimensions", sampler.name,
+                                 sampler.min_dim, sampler.max_dim));
   const std::uint64_t limit = std::uint64_t{1} << sampler.max_log2_n;
   if (options.start >= limit || count > limit - options.start)
     throw InputError("--n, --start",
                      fmt::format("points {} to {}", options.start, options.start + count - 1),
                      fmt::format("sampler '{}' has 2^{} points", sampler.name, sampler.max_log2_n));
+  if (!sampler.extensible) check_size(sampler, options.dim, count, "--n");
+  if (!sampler.extensible && options.start >= count)
+    throw InputError(
+        "--start", fmt::format("{}", options.start),
+        fmt::format("each N of sampler '{}' is a set of its own: below --n", sampler.name));
   if (options.replicate > 0 && !sampler.replicable)
     throw InputError("--replicate", fmt::format("{}", options.replicate),
                      fmt::format("sampler '{}' is not randomized: only 0", sampler.name));
@@ -73,7 +83,7 @@ int points(const PointsOptions& options) {
     throw InputError("--out", fmt::format("'{}'", options.out),
                      "the name must end in .csv or .npy");
   const Catalog catalog = load_catalog();
-  const Sampler& sampler = catalog.sampler(options.sampler, "--sampler");
+  const Sampler sampler = catalog.sampler(options.sampler, "--sampler");
   const auto sizes = parse_sizes(options.n, "--n");
   if (sizes.size() != 1)
     throw InputError("--n", fmt::format("'{}'", options.n), "give one number of points");
@@ -83,7 +93,7 @@ int points(const PointsOptions& options) {
   const std::string asked =
       options.precision.empty() ? (device.facts().fp64 ? "fp64" : "fp32") : options.precision;
   const Precision precision = asked == "fp64" ? Precision::fp64 : Precision::fp32;
-  const std::uint64_t end = options.start + sizes[0];
+  const std::uint64_t end = end_of(options, sampler, sizes[0]);
   const Plan plan =
       make_points_plan(catalog, sampler.name, options.dim, precision, end, options.replicate + 1,
                        options.seed, device.facts(), options.directions);
@@ -92,11 +102,11 @@ int points(const PointsOptions& options) {
   // Under a temporary name until it is complete: a file of that name is not lost to a failure.
   const std::string temporary = options.out + ".new";
   std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  if (npy) write_npy_header(file, sizes[0], options.dim, plan.fp64());
+  if (npy) write_npy_header(file, end - options.start, options.dim, plan.fp64());
   const std::uint64_t chunk = std::max<std::uint64_t>(kValuesAtOnce / options.dim, 256);
   for (std::uint64_t start = options.start; start < end; start += chunk) {
     const std::vector<double> values =
-        dump.read(start, std::min(chunk, end - start), std::bit_ceil(end), options.replicate);
+        dump.read(start, std::min(chunk, end - start), end, options.replicate);
     if (npy)
       write_npy(file, values, plan.fp64());
     else
@@ -117,10 +127,13 @@ int points(const PointsOptions& options) {
 void add_points(CLI::App& app, Action& action) {
   auto options = std::make_shared<PointsOptions>();
   CLI::App* verb = app.add_subcommand("points", "Write the coordinates of points as .csv or .npy");
-  verb->add_option("--sampler", options->sampler, "a sampler (see koksma list samplers)")
+  verb->add_option("--sampler", options->sampler,
+                   "NAME or NAME:key=value (see koksma list samplers)")
       ->required();
   verb->add_option("--dim", options->dim, "dimensions")->required();
-  verb->add_option("--n", options->n, "number of points: 1000 or 2^10")->required();
+  verb->add_option("--n", options->n,
+                   "number of points: 1000 or 2^10; of a set that is not extensible, its size")
+      ->required();
   verb->add_option("--start", options->start, "index of the first point; default 0")
       ->check(CLI::Range(std::uint64_t{0}, kLargestSeed));
   verb->add_option("--seed", options->seed, "seed of the randomization; default 1")

@@ -200,7 +200,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
                    "NAME or NAME:d=8,key=value (see koksma list scenes); repeatable")
       ->allow_extra_args(false);
   verb->add_option("--sampler", options->flags.samplers,
-                   "a sampler (see koksma list samplers); repeatable")
+                   "NAME or NAME:key=value (see koksma list samplers); repeatable")
       ->allow_extra_args(false);
   verb->add_option("--estimator", options->flags.estimator,
                    "mc, qmc or rqmc; default: what fits the sampler");

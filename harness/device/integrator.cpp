@@ -45,10 +45,21 @@ Integrator::Integrator(Device& device, const Plan& plan, const std::vector<doubl
   const std::vector<std::byte> table = given_table.empty() ? build_point_table(plan) : given_table;
   table_bytes_ = table.size();
   table_ = device.upload(table.data(), table.size());
+  table_n_ = plan.request.end_index;
   values_ = device.upload_reals(plan.cell.scene.parameters, plan.fp64());
   coefficients_ = device.upload_reals(coefficients, plan.fp64());
   coefficient_bytes_ = coefficients.size() * (plan.fp64() ? 8 : 4);
   setup_s_ = seconds_since(start);
+}
+
+void Integrator::prepare(std::uint64_t n) {
+  if (plan_.sampler->extensible || n == table_n_) return;
+  const auto start = Clock::now();
+  const std::vector<std::byte> table = build_point_table(plan_, n);
+  table_ = device_.upload(table.data(), table.size());
+  table_n_ = n;
+  table_bytes_ = std::max(table_bytes_, table.size());
+  setup_s_ += seconds_since(start);
 }
 
 std::uint32_t Integrator::log2_block(std::uint64_t n) const {
@@ -91,6 +102,7 @@ double Integrator::run_blocks(std::uint64_t n, std::uint32_t log2_block, std::ui
 }
 
 double Integrator::launch(cl::Kernel& kernel, const Launch& l) {
+  prepare(l.n);
   return checked([&] {
     const std::size_t bytes = std::size_t{plan_.words()} * l.replicates * l.blocks * kLanes *
                               (plan_.stores_doubles() ? 8 : 4);
@@ -147,13 +159,16 @@ void Integrator::read_partials(const Launch& l, const PartialSums& take) {
 std::vector<double> Integrator::first_values(std::uint64_t count) {
   // Blocks of 16 samples: every lane's partial sum is one value; a sum of several words adds up to
   // it.
-  std::vector<double> values(count, 0.0);
+  const std::uint64_t n = plan_.sampler->extensible ? count : plan_.cell.n.front();
+  const std::uint64_t blocks = std::min(count, rounded_up(n, kLanes)) / kLanes;
+  std::vector<double> values(blocks * kLanes, 0.0);
   std::vector<std::size_t> filled(plan_.sum->words, 0);
-  run_blocks(count, 4, 0, count / kLanes, 1, 0.0,
+  run_blocks(n, 4, 0, blocks, 1, 0.0,
              [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
                if (word >= plan_.sum->words) return;  // squares
                for (const double partial : partials) values[filled[word]++] += partial;
              });
+  values.resize(std::min<std::uint64_t>(values.size(), n));
   return values;
 }
 

@@ -33,8 +33,11 @@ class Integrator {
                     std::uint64_t end_block, std::uint32_t replicates, double y0,
                     const PartialSums& take);
 
-  // f at the first `count` points of replicate 0, count a multiple of 16.
+  // f at the first `count` points of replicate 0, count a multiple of 16; fewer where the smallest
+  // N of a set that is not extensible is less.
   std::vector<double> first_values(std::uint64_t count = 16);
+  // Uploads the table of the set of n points, where sets of different n have different ones.
+  void prepare(std::uint64_t n);
   // Non-finite samples among the first n of all replicates; builds the counting kernel on first
   // use.
   std::uint64_t count_nonfinite(const Catalog& catalog, std::uint64_t n);
@@ -62,6 +65,7 @@ class Integrator {
   const Plan& plan_;
   cl::Kernel kernel_, counting_kernel_;
   cl::Buffer table_, values_, coefficients_, out_, counts_;
+  std::uint64_t table_n_ = 0;  // of sets that are not extensible: the N that table_ is for
   std::size_t out_bytes_ = 0;
   std::vector<std::byte> raw_;
   std::vector<double> doubles_;

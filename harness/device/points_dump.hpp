@@ -14,8 +14,8 @@ class PointsDump {
   PointsDump(Device& device, const Plan& plan);
 
   // Points start … start+count-1 of one replicate, [point][dimension]; n is the size of the set
-  // they belong to. log2_block >= 4: a work-item seeks once and steps through 2^log2_block / 16
-  // samples.
+  // they belong to (and as the plan's end_index where the set is not extensible). log2_block >= 4:
+  // a work-item seeks once and steps through 2^log2_block / 16 samples.
   std::vector<double> read(std::uint64_t start, std::uint64_t count, std::uint64_t n,
                            std::uint32_t replicate, std::uint32_t log2_block = 8);
 

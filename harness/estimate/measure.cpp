@@ -167,6 +167,7 @@ Row PreparedCell::run_row(std::uint64_t n) {
   row.n = n;
   row.log2_block = integrator_->log2_block(n);
   row.grid_limited = n > std::uint64_t{1} << plan_->coordinate_bits;
+  integrator_->prepare(n);
   Sums sums;
   std::vector<double> kernel, wall;
   double spent = 0;
@@ -219,10 +220,10 @@ CellResult PreparedCell::run() {
   result.cell = plan_->cell;
   result.exact = exact_;
   result.build_s = build_s_;
+  for (const std::uint64_t n : plan_->cell.n) result.rows.push_back(run_row(n));
   result.setup_s = integrator_->setup_s();
   result.table_bytes = integrator_->table_bytes();
   result.coefficient_bytes = integrator_->coefficient_bytes();
-  for (const std::uint64_t n : plan_->cell.n) result.rows.push_back(run_row(n));
   result.floor = rounding_floor(*plan_, exact_, plan_->cell.n.back());
   if (exact_.mean) {
     result.rate = fit(result, *plan_);

@@ -43,7 +43,10 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   define("KOKSMA_LANES_PER_ITEM", plan.shape.lanes_per_item);
   define("KOKSMA_FP64", plan.fp64() ? 1 : 0);
   define("KOKSMA_DIM", plan.request.dim);
-  define("KOKSMA_CENTRED", plan.sampler->centred ? 1 : 0);
+  define("KOKSMA_UNROLLED", plan.request.dim <= kMostUnrolledDim ? 1 : 0);
+  // A rotated set's own points are exact; the rotation centres them.
+  define("KOKSMA_CENTRED", plan.sampler->centred && !plan.sampler->rotated ? 1 : 0);
+  if (plan.sampler->rotated) define("KOKSMA_ROTATED", 1);
   define("KOKSMA_LOCAL_SIZE", plan.shape.local_size);
   for (const auto& [name, value] : plan.sampler->defines) define(name, value);
   if (kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite) {
@@ -63,7 +66,10 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
   std::string text = defines_source(plan, kind);
   append_embedded(text, "kernels/prelude.cl");
   if (integrates) append_piece(text, plan.sum->code);
-  append_piece(text, catalog.family(plan.sampler->family).code);
+  const Family& family = catalog.family(plan.sampler->family);
+  for (const SourceFile& part : family.parts) append_piece(text, part);
+  append_piece(text, family.code);
+  if (plan.sampler->rotated) append_embedded(text, "kernels/rotate.cl");
   if (kind != ProgramKind::inspect) {
     for (const std::string& name : plan.integrand->transforms)
       append_piece(text, catalog.transform(name).code);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "error/error.hpp"
@@ -55,6 +56,11 @@ const SumAlgorithm& choose_sum(const Catalog& catalog, const Cell& cell,
 void set_precision(Plan& plan, Precision precision, const DeviceFacts& device) {
   if (precision == Precision::fp64 && !device.fp64)
     throw UnsupportedError(fmt::format("precision fp64 on {}, which lacks it", device.name));
+  const auto& offered = plan.sampler->precisions;
+  if (std::find(offered.begin(), offered.end(), precision_name(precision)) == offered.end())
+    throw UnsupportedError(fmt::format("precision {} with sampler '{}', which needs {}",
+                                       precision_name(precision), plan.sampler->name,
+                                       offered.front()));
   plan.max_allocation = device.max_allocation;
   plan.precision = precision;
   plan.coordinate_bits = plan.fp64() ? 52 : 23;
@@ -96,6 +102,23 @@ void note_what_is_left_out(Plan& plan) {
          fmt::format("{} of {} are drawn", plan.cell.scene.dim, plan.sampler->max_dim));
 }
 
+// For kernels/rotate.cl: [0] where the points' own table begins; then, per replicate and dimension,
+// the bits of the number 1 - u, u = (k + 1/2) 2^-m the shift.
+std::vector<std::uint64_t> rotation_table(const PointRequest& request) {
+  std::vector<std::uint64_t> words{1 + std::uint64_t{request.replicates} * request.dim};
+  for (std::uint32_t r = 0; r < request.replicates; ++r) {
+    for (std::uint32_t d = 0; d < request.dim; ++d) {
+      const std::uint64_t u = random_pair(request.seed, 0, r, RandomPurpose::rotation, d).first;
+      const double complement = 1 - (std::ldexp(static_cast<double>(u >> 12), -52) + 0x1p-53);
+      const float narrow =
+          1 - (std::ldexp(static_cast<float>(static_cast<std::uint32_t>(u >> 41)), -23) + 0x1p-24F);
+      words.push_back(request.fp64 ? std::bit_cast<std::uint64_t>(complement)
+                                   : std::bit_cast<std::uint32_t>(narrow));
+    }
+  }
+  return words;
+}
+
 }  // namespace
 
 std::uint32_t log2_block_length(std::uint64_t n) {
@@ -108,7 +131,7 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
   Plan plan;
   plan.cell = cell;
   plan.integrand = &catalog.integrand(cell.scene.integrand, "scene");
-  plan.sampler = &catalog.sampler(cell.sampler, "sampler");
+  plan.sampler = std::make_shared<const Sampler>(catalog.sampler(cell.sampler, "sampler"));
   plan.estimator = &catalog.estimator(cell.estimator, "estimator");
   set_precision(plan, cell.precision.value_or(device.fp64 ? Precision::fp64 : Precision::fp32),
                 device);
@@ -118,8 +141,8 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
   for (const std::uint64_t n : cell.n)
     (resolves(plan, n) ? plan.cell.n : plan.refused_n).push_back(n);
   if (plan.cell.n.empty()) refuse_resolution(plan, cell.n.front());
-  plan.request = {plan.sampler->options, cell.scene.dim, plan.fp64(),    plan.cell.n.back(),
-                  cell.replicates,       cell.seed,      directions_file};
+  plan.request = {plan.sampler->options, cell.scene.dim, plan.fp64(),     plan.cell.n.back(),
+                  cell.replicates,       cell.seed,      directions_file, nullptr};
   plan.program = compose(catalog, plan, ProgramKind::integrate);
   note_what_is_left_out(plan);
   return plan;
@@ -130,20 +153,27 @@ Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::u
                       std::uint64_t seed, const DeviceFacts& device,
                       const std::string& directions_file, const std::optional<LaunchShape>& shape) {
   Plan plan;
-  plan.sampler = &catalog.sampler(sampler, "--sampler");
+  plan.sampler = std::make_shared<const Sampler>(catalog.sampler(sampler, "--sampler"));
   set_precision(plan, precision, device);
   plan.shape = shape ? *shape : shape_for(device, *plan.sampler, dim, plan.fp64());
-  plan.request = {plan.sampler->options, dim, plan.fp64(), end_index, replicates, seed,
-                  directions_file};
+  plan.request = {plan.sampler->options, dim,    plan.fp64(), end_index, replicates, seed,
+                  directions_file,       nullptr};
   if (!resolves(plan, end_index)) refuse_resolution(plan, end_index);
   plan.program = compose(catalog, plan, ProgramKind::inspect);
   return plan;
 }
 
-std::vector<std::byte> build_point_table(const Plan& plan) {
+std::vector<std::byte> build_point_table(const Plan& plan, std::uint64_t n) {
   const PointTableBuilder build = find_table_builder(plan.sampler->family);
-  std::vector<std::uint64_t> words{0};
-  if (build != nullptr) words = build(plan.request).words;
+  PointRequest request = plan.request;
+  if (!plan.sampler->extensible && n > 0) request.end_index = n;
+  std::vector<std::uint64_t> words;
+  if (plan.sampler->rotated) words = rotation_table(request);
+  if (build != nullptr) {
+    const std::vector<std::uint64_t> points = build(request).words;
+    words.insert(words.end(), points.begin(), points.end());
+  }
+  if (words.empty()) words.push_back(0);
   const std::size_t size = plan.fp64() ? 8 : 4;
   // The offsets in an fp32 table are 32-bit words themselves.
   const std::uint64_t most =

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,7 +47,7 @@ struct LeftOut {
 struct Plan {
   Cell cell;
   const Integrand* integrand = nullptr;
-  const Sampler* sampler = nullptr;
+  std::shared_ptr<const Sampler> sampler;
   const Estimator* estimator = nullptr;
   const SumAlgorithm* sum = nullptr;
   Precision precision = Precision::fp64;
@@ -86,8 +87,8 @@ ProgramSource exact_program(const Integrand& integrand);
 ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchShape& shape);
 
 // The point table in the words of the plan's precision, as bytes ready to upload (at least one
-// word).
-std::vector<std::byte> build_point_table(const Plan& plan);
+// word). Of sets that are not extensible it is that of the set of n points; 0: the plan's largest.
+std::vector<std::byte> build_point_table(const Plan& plan, std::uint64_t n = 0);
 
 // log2 of the block length for N samples: at least 2^8, so that seeking is cheap beside stepping;
 // at most 2^16; 64 blocks in between. A function of N alone, so results do not depend on the

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,11 +18,14 @@ struct PointRequest {
   Json options;  // the sampler entry's `options`
   std::uint32_t dim = 1;
   bool fp64 = true;  // words of 64 bits, else of 32 (returned in the low half)
-  std::uint64_t end_index =
-      1;  // indices below this are drawn; the table holds no more columns than that needs
+  // Indices below this are drawn; the table holds no more columns than that needs. Of a set that is
+  // not extensible it is N, and each N has a table of its own.
+  std::uint64_t end_index = 1;
   std::uint32_t replicates = 1;
   std::uint64_t seed = 0;
   std::string directions_file;  // Joe-Kuo format; empty: built-in direction numbers
+  // What the sampler's preparation computed on a device: [point][dimension]; empty: it has none.
+  std::shared_ptr<const std::vector<double>> prepared;
 };
 
 // The words that the family's points_seek reads (layout: the head of kernels/points/<family>.cl).
@@ -30,6 +34,11 @@ struct PointTable {
 };
 
 using PointTableBuilder = PointTable (*)(const PointRequest&);
+
+// Kernels unroll their loops over up to so many dimensions (KOKSMA_UNROLLED), and their state can
+// live in registers. Loops over them stay rolled on PoCL by itself: worth 27 % at d = 8 in fp32
+// (AVX-512, measured 2026-11-22), nothing or a loss from d = 24 on.
+inline constexpr std::uint32_t kMostUnrolledDim = 16;
 
 // The builder of a family, nullptr if it draws without tables.
 PointTableBuilder find_table_builder(std::string_view family);
@@ -41,7 +50,14 @@ enum class RandomPurpose : std::uint32_t {
   digital_shift = 1,
   linear_scramble = 2,
   nested_scramble = 3,
-  lattice_shift = 4
+  lattice_shift = 4,
+  lattice_vector = 5,
+  rotation = 6,
+  jitter = 7,             // places inside strata, on the device
+  index_permutation = 8,  // keys of bijections on [0, N)
+  digit_permutation = 9,  // of the Halton family
+  point_set = 10,         // building a table of points
+  tile = 11               // shifts and scrambles of its copies
 };
 
 struct RandomPair {

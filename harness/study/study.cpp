@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
+#include <map>
 #include <set>
 
 #include "catalog/embedded.hpp"
+#include "catalog/sizes.hpp"
 #include "error/error.hpp"
 
 namespace koksma {
@@ -62,13 +64,10 @@ std::string where_set(const std::string& flag, const char* key, const Json& bloc
 
 void check_sizes(const Cell& cell, const Sampler& sampler, const std::string& where) {
   for (const std::uint64_t n : cell.n) {
-    if (sampler.power_of_two && !std::has_single_bit(n))
-      throw InputError(where, fmt::format("N = {} for sampler '{}'", n, sampler.name),
-                       fmt::format("it needs a power of two; the nearest are {} and {}",
-                                   std::bit_floor(n), std::bit_floor(n) * 2));
     if (n > std::uint64_t{1} << sampler.max_log2_n)
       throw InputError(where, fmt::format("N = {} for sampler '{}'", n, sampler.name),
                        fmt::format("it has at most 2^{} points", sampler.max_log2_n));
+    check_size(sampler, cell.scene.dim, n, where);
   }
 }
 
@@ -85,7 +84,11 @@ struct BlockReader {
 
   Cell cell(const Scene& scene, const std::string& sampler_name,
             const std::string& sampler_where) const {
-    const Sampler& sampler = catalog.sampler(sampler_name, sampler_where);
+    const Sampler sampler = catalog.sampler(sampler_name, sampler_where);
+    if (scene.dim < sampler.min_dim)
+      throw InputError(
+          sampler_where, fmt::format("scene '{}' draws d = {}", scene.text, scene.dim),
+          fmt::format("sampler '{}' has at least {} dimensions", sampler.name, sampler.min_dim));
     if (scene.dim > sampler.max_dim && !(flags.own_directions && sampler.reads_directions))
       throw InputError(
           sampler_where, fmt::format("scene '{}' draws d = {}", scene.text, scene.dim),
@@ -167,6 +170,24 @@ Json merged(const Json& study, const StudyFlags& flags) {
 
 std::string_view precision_name(Precision precision) {
   return precision == Precision::fp32 ? "fp32" : "fp64";
+}
+
+void check_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t n,
+                const std::string& where) {
+  if (admits(sampler, dim, n)) return;
+  static const std::map<std::string, std::string> forms{{"even", "an even number"},
+                                                        {"power-of-two", "a power of two"},
+                                                        {"power-of-d", "m^d"},
+                                                        {"rectangle", "a b with a <= b <= 2 a"}};
+  const NearestSizes nearest = nearest_sizes(sampler, dim, n);
+  std::vector<std::uint64_t> sizes;
+  for (const auto& size : {nearest.below, nearest.above})
+    if (size) sizes.push_back(*size);
+  throw InputError(
+      where, fmt::format("N = {} for sampler '{}'", n, sampler.name),
+      fmt::format("it needs {}{}; the nearest {} {}", forms.at(sampler.size_form),
+                  sampler.size_form == "power-of-d" ? fmt::format(", d = {}", dim) : "",
+                  sizes.size() == 1 ? "is" : "are", fmt::join(sizes, " and ")));
 }
 
 std::vector<std::uint64_t> parse_sizes(std::string_view text, std::string_view where) {

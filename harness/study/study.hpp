@@ -57,6 +57,11 @@ Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_vie
 // ascending.
 std::vector<std::uint64_t> parse_sizes(std::string_view text, std::string_view where);
 
+// InputError, naming the nearest sizes, when the sampler has no set of n points in `dim`
+// dimensions.
+void check_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t n,
+                const std::string& where);
+
 // Reads a study: `path` empty means the default study. InputError names the file and the JSON
 // pointer, or the flag.
 Study read_study(const Catalog& catalog, const std::string& path, const StudyFlags& flags);

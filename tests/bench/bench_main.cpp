@@ -1,6 +1,6 @@
 // koksma_bench: speeds in coordinates/s by the device's own clock, the fused Sobol' kernel beside
 // its hand-written limit, and memory against N. Rows: fused_sobol, limit_sobol and ratio_sobol per
-// precision, samplers/<name> for every sampler of the catalog, memory_flat.
+// precision, speed/<sampler> for every sampler of the catalog beside plain Sobol', memory_flat.
 // --benchmark_filter=REGEX selects.
 //
 // The exit status is 1 when a row fails, a row's `ratio` is below its `required`, or its
@@ -18,6 +18,8 @@
 
 #include "avx2_limit.hpp"
 #include "error/error.hpp"
+#include "rounds.hpp"
+#include "speed_table.hpp"
 #include "subject.hpp"
 
 namespace koksma::bench {
@@ -126,24 +128,6 @@ void limit_sobol(State& state, Precision precision) {
   });
 }
 
-// The fastest of many rounds.
-class Fastest {
- public:
-  void add(double seconds) {
-    seconds_.push_back(seconds);
-    std::sort(seconds_.begin(), seconds_.end());
-    seconds_.resize(std::min<std::size_t>(seconds_.size(), 3));
-  }
-  double best() const { return seconds_.front(); }
-  // Three rounds within 2 %: not one lucky reading, and not a machine that was busy throughout.
-  bool settled() const {
-    return seconds_.size() == 3 && seconds_.back() <= 1.02 * seconds_.front();
-  }
-
- private:
-  std::vector<double> seconds_;
-};
-
 // One iteration holds all rounds; its time is the subject's best.
 void ratio_sobol(State& state, Precision precision, double required) {
   guarded(state, [&] {
@@ -172,17 +156,6 @@ void ratio_sobol(State& state, Precision precision, double required) {
     if (ratio < required)
       missed().push_back(
           fmt::format("{}: ratio {:.3f} < {}", precision_name(precision), ratio, required));
-  });
-}
-
-// As many samples as the sampler has, up to those of fused_sobol.
-void sampler_speed(State& state, const Sampler& sampler, Precision precision) {
-  guarded(state, [&] {
-    const std::uint64_t n = std::min(kSobolN, std::uint64_t{1} << sampler.max_log2_n);
-    Subject subject(
-        {kScene, sampler.name, precision, n, sampler.replicable ? kSobolReplicates : 1});
-    for (auto _ : state) state.SetIterationTime(subject.run(n));
-    count_coordinates(state, coordinates(subject.plan(), n));
   });
 }
 
@@ -234,11 +207,9 @@ void register_rows() {
     add("fused_sobol", fused_sobol, precision);
     add("limit_sobol", limit_sobol, precision);
     add("ratio_sobol", ratio_sobol, precision, required.ratio)->Iterations(1);
-    for (const Sampler& sampler : catalog().samplers)
-      add("samplers/" + sampler.name,
-          [&sampler, precision](State& state) { sampler_speed(state, sampler, precision); });
   }
   timed(benchmark::RegisterBenchmark("memory_flat/fp64/d:2", memory_flat, 8.0))->Iterations(1);
+  register_speed_table(missed());
 }
 
 }  // namespace

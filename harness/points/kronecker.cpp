@@ -1,0 +1,90 @@
+// Tables of the Kronecker family (kernels/points/kronecker.cl): steps, lane offsets and shifts as
+// 64-bit fractions.
+#include "points/kronecker.hpp"
+
+#include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "points/tables.hpp"
+
+namespace koksma {
+namespace {
+
+constexpr std::uint32_t kHeader = 4;
+constexpr std::uint32_t kLanes = 16;
+
+std::vector<std::uint32_t> first_primes(std::uint32_t count) {
+  std::vector<std::uint32_t> primes;
+  for (std::uint32_t candidate = 2; primes.size() < count; ++candidate)
+    if (std::none_of(primes.begin(), primes.end(),
+                     [&](std::uint32_t p) { return candidate % p == 0; }))
+      primes.push_back(candidate);
+  return primes;
+}
+
+// The fractional part of sqrt(p), rounded down to 64 bits.
+std::uint64_t root_fraction(std::uint32_t p) {
+  using boost::multiprecision::cpp_int;
+  const cpp_int root = boost::multiprecision::sqrt(cpp_int(p) << 128);
+  return static_cast<std::uint64_t>(root & UINT64_MAX);
+}
+
+// phi_d^-j, j = 1 … d: phi_d > 1 solves x^(d+1) = x + 1 (Roberts 2018).
+std::vector<std::uint64_t> golden_fractions(std::uint32_t dim) {
+  using Real = boost::multiprecision::cpp_bin_float_50;
+  Real x = 2;
+  // Newton's method from above, where the function is convex; it meets its own rounding in the end.
+  for (int i = 0; i < 100; ++i) {
+    const Real power = boost::multiprecision::pow(x, dim);
+    x -= (power * x - x - 1) / ((dim + 1) * power - 1);
+  }
+  std::vector<std::uint64_t> result;
+  Real alpha = 1;
+  for (std::uint32_t j = 0; j < dim; ++j) {
+    alpha /= x;
+    result.push_back(static_cast<std::uint64_t>(boost::multiprecision::ldexp(alpha, 64)));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> kronecker_fractions(const std::string& kind, std::uint32_t dim) {
+  if (kind == "golden") return golden_fractions(dim);
+  std::vector<std::uint64_t> result;
+  for (const std::uint32_t p : first_primes(dim)) result.push_back(root_fraction(p));
+  return result;
+}
+
+PointTable build_kronecker(const PointRequest& request) {
+  const std::vector<std::uint64_t> alpha =
+      kronecker_fractions(request.options.at("alpha"), request.dim);
+  const bool shifted = request.options.at("randomize") == "shift";
+  const std::uint32_t halves = request.fp64 ? 1 : 2;
+
+  PointTable table;
+  std::vector<std::uint64_t>& words = table.words;
+  const auto push = [&](std::uint64_t fraction) {
+    if (!request.fp64) words.push_back(fraction >> 32);
+    words.push_back(request.fp64 ? fraction : fraction & UINT32_MAX);
+  };
+  const std::uint64_t lanes = kHeader + std::uint64_t{halves} * request.dim;
+  const std::uint64_t starts = lanes + std::uint64_t{halves} * request.dim * kLanes;
+  words = {kHeader, lanes, starts, 0};
+  for (const std::uint64_t a : alpha) push(a);
+  for (const std::uint64_t a : alpha) {
+    // In fp32 the 16 high halves come first, then the 16 low ones.
+    for (std::uint32_t half = 0; half < halves; ++half)
+      for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+        words.push_back(request.fp64 ? lane * a
+                        : half == 0  ? lane * a >> 32
+                                     : lane * a & UINT32_MAX);
+  }
+  for (std::uint32_t r = 0; r < request.replicates; ++r)
+    for (std::uint32_t d = 0; d < request.dim; ++d)
+      push(shifted ? random_pair(request.seed, 0, r, RandomPurpose::lattice_shift, d).first : 0);
+  return table;
+}
+
+}  // namespace koksma

@@ -1,0 +1,84 @@
+// philox: words of the counter-based generator Philox4x32-10 (Salmon et al. 2011, Random123) for W consecutive
+// sample indices. Key: the 64-bit seed. Counter: (index low, index high, replicate, purpose << 24 | block), one
+// purpose per use (kernels/README.md, "Random streams").
+// The 64-bit products of all lanes with one constant, from the even and the odd lanes: multiply-high of vectors
+// is slow on CPUs, 32 x 32 -> 64 is one instruction.
+static inline void multiply_wide(words32 a, uint factor, words32 *high, words32 *low) {
+#if KOKSMA_LANES_PER_ITEM == 1
+  *high = mul_hi(a, factor);
+  *low = a * factor;
+#else
+#if KOKSMA_LANES_PER_ITEM == 4
+  typedef ulong2 wide;
+#define KOKSMA_AS_WIDE as_ulong2
+#elif KOKSMA_LANES_PER_ITEM == 8
+  typedef ulong4 wide;
+#define KOKSMA_AS_WIDE as_ulong4
+#else
+  typedef ulong8 wide;
+#define KOKSMA_AS_WIDE as_ulong8
+#endif
+#define KOKSMA_AS_WORDS32 KOKSMA_PASTE(as_uint, KOKSMA_LANES_PER_ITEM)
+  const wide even = (KOKSMA_AS_WIDE(a) & 0xFFFFFFFFUL) * (ulong)factor;
+  const wide odd = (KOKSMA_AS_WIDE(a) >> 32) * (ulong)factor;
+  *high = KOKSMA_AS_WORDS32(even >> 32 | (odd & 0xFFFFFFFF00000000UL));
+  // Not from the products: clang turns odd << 32 into a third, slow 64-bit multiplication.
+  *low = a * factor;
+#endif
+}
+
+// Output words of the lanes' indices; c0 and c1 are the counters' low and high index words.
+// always_inline: called twice, it would stay a function with its vectors in memory, at a third of the speed.
+__attribute__((always_inline)) static inline void philox_rounds(words32 c0, words32 c1, ulong seed, uint replicate, uint last, words32 out[4]) {
+  uint key0 = (uint)seed, key1 = (uint)(seed >> 32);
+  words32 c2 = (words32)replicate, c3 = (words32)last;
+  // Unrolled, the keys of all rounds are constants of the loop over the samples.
+  _Pragma("unroll")
+  for (uint round = 0; round < 10; ++round) {
+    words32 high0, low0, high1, low1;
+    multiply_wide(c0, 0xD2511F53u, &high0, &low0);
+    multiply_wide(c2, 0xCD9E8D57u, &high1, &low1);
+    c0 = high1 ^ c1 ^ key0;
+    c1 = low1;
+    c2 = high0 ^ c3 ^ key1;
+    c3 = low0;
+    key0 += 0x9E3779B9u;
+    key1 += 0xBB67AE85u;
+  }
+  out[0] = c0;
+  out[1] = c1;
+  out[2] = c2;
+  out[3] = c3;
+}
+
+// Four words of `bits` for lanes with the index words c0 and c1: quartet k of a purpose, one word each for
+// dimensions 4k ... 4k+3. Output c of block 2k is the high half of word c, output c of block 2k + 1 its low half, so
+// that fp32, which keeps the high half, computes block 2k only. Where one or two dimensions are left in the last
+// quartet, block 2k holds both halves: high in outputs 0 and 1, low in 2 and 3; the other words are not drawn.
+static inline void random_quartet(words32 c0, words32 c1, ulong seed, uint replicate, uint purpose, uint k,
+                                  bits out[4]) {
+  words32 high[4];
+  philox_rounds(c0, c1, seed, replicate, purpose << 24 | k * 2, high);
+#if KOKSMA_FP64
+#if KOKSMA_DIM % 4 == 1 || KOKSMA_DIM % 4 == 2
+  if (k == KOKSMA_DIM / 4) {
+    out[0] = KOKSMA_TO_BITS(high[0]) << 32 | KOKSMA_TO_BITS(high[2]);
+    out[1] = KOKSMA_TO_BITS(high[1]) << 32 | KOKSMA_TO_BITS(high[3]);
+    return;
+  }
+#endif
+  words32 low[4];
+  philox_rounds(c0, c1, seed, replicate, purpose << 24 | (k * 2 + 1), low);
+  _Pragma("unroll")
+  for (uint i = 0; i < 4; ++i) out[i] = KOKSMA_TO_BITS(high[i]) << 32 | KOKSMA_TO_BITS(low[i]);
+#else
+  _Pragma("unroll")
+  for (uint i = 0; i < 4; ++i) out[i] = high[i];
+#endif
+}
+
+// The same for the lanes' own consecutive indices, `index` that of the first lane. It is a multiple of W and W
+// divides 2^32, so the low half never carries inside an item.
+static inline void random_words(ulong index, ulong seed, uint replicate, uint purpose, uint k, bits out[4]) {
+  random_quartet(lane_numbers() + (uint)index, (words32)(uint)(index >> 32), seed, replicate, purpose, k, out);
+}
