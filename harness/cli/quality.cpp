@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 
 #include "cli/verbs.hpp"
 #include "device/points_dump.hpp"
@@ -28,11 +27,11 @@ constexpr std::uint64_t kMostCoordinates = std::uint64_t{1} << 28;
 constexpr std::uint32_t kDefaultReplicates = 16;  // sets that spectra are averaged over
 
 std::uint64_t checked_size(const QualityOptions& options, const Sampler& sampler) {
-  if (options.dim == 0 ||
+  if (options.dim < sampler.min_dim ||
       (options.dim > sampler.max_dim && (options.directions.empty() || !sampler.reads_directions)))
-    throw InputError(
-        "--dim", fmt::format("{}", options.dim),
-        fmt::format("sampler '{}' has 1 to {} dimensions", sampler.name, sampler.max_dim));
+    throw InputError("--dim", fmt::format("{}", options.dim),
+                     fmt::format("sampler '{}' has {} to {} dimensions", sampler.name,
+                                 sampler.min_dim, sampler.max_dim));
   const auto sizes = parse_sizes(options.n, "--n");
   if (sizes.size() != 1)
     throw InputError("--n", fmt::format("'{}'", options.n), "give one number of points");
@@ -40,10 +39,7 @@ std::uint64_t checked_size(const QualityOptions& options, const Sampler& sampler
   if (n > std::uint64_t{1} << sampler.max_log2_n)
     throw InputError("--n", fmt::format("{}", n),
                      fmt::format("sampler '{}' has 2^{} points", sampler.name, sampler.max_log2_n));
-  if (sampler.power_of_two && !std::has_single_bit(n))
-    throw InputError("--n", fmt::format("N = {} for sampler '{}'", n, sampler.name),
-                     fmt::format("it needs a power of two; the nearest are {} and {}",
-                                 std::bit_floor(n), std::bit_floor(n) * 2));
+  check_size(sampler, options.dim, n, "--n");
   if (n > kMostCoordinates / options.dim)
     throw InputError("--n, --dim", fmt::format("{} points in {} dimensions", n, options.dim),
                      fmt::format("at most {} coordinates", kMostCoordinates));
@@ -54,8 +50,8 @@ std::uint32_t checked_replicates(const QualityOptions& options, const Sampler& s
   if (options.replicates.value_or(1) > 1 && !sampler.replicable)
     throw InputError("--replicates", fmt::format("{}", *options.replicates),
                      fmt::format("sampler '{}' is not randomized: only 1", sampler.name));
-  // Only planar points have spectra to average.
-  const bool averages = sampler.replicable && options.dim == 2;
+  // Only planar points have spectra to average, and moving a set about leaves them as they are.
+  const bool averages = sampler.replicable && !sampler.rotated && options.dim == 2;
   return options.replicates.value_or(averages ? kDefaultReplicates : 1);
 }
 
@@ -73,14 +69,14 @@ std::vector<Scene> checked_scenes(const QualityOptions& options, const Catalog& 
 
 // Everything wrong with the request is told before any device work.
 struct CheckedRequest {
-  const Sampler& sampler;
+  Sampler sampler;
   QualityRequest request;
   std::vector<Scene> scenes;
 };
 
 CheckedRequest check(const QualityOptions& options, const Catalog& catalog,
                      const std::string& command_line) {
-  const Sampler& sampler = catalog.sampler(options.sampler, "--sampler");
+  const Sampler sampler = catalog.sampler(options.sampler, "--sampler");
   CheckedRequest checked{sampler, {}, checked_scenes(options, catalog)};
   QualityRequest& request = checked.request;
   request.sampler = sampler.name;
