@@ -6,6 +6,7 @@
 
 #include "quality/discrepancy.hpp"
 #include "quality/net.hpp"
+#include "quality/quality.hpp"
 #include "tests/quality_support.hpp"
 
 using namespace koksma;
@@ -165,8 +166,20 @@ TEST_CASE("t has a reason where there is none", "[device]") {
   const NetParameter odd = net_parameter(quality_kernels(), lcg_points(100, 2, 1));
   CHECK_FALSE(odd.t);
   CHECK_THAT(odd.reason, Catch::Contains("N = 100 is no power of two"));
-  // Balanced up to large k in many dimensions: too many shapes. A set is never balanced there, so
-  // the limit shows only where all coordinates are equal nets, which differ in no shape of one
-  // axis.
-  CHECK(t_of(drawn("sobol", 256, 12)) > 0);
+}
+
+TEST_CASE("what is too expensive is left out, and the reason names the limit", "[device]") {
+  QualityLimits none;
+  none.pair_terms = none.star_2d_n = none.search_visits = none.cover_visits = 1;
+  none.spectrum_terms = none.histogram_pairs = 1;
+  const Quality q = measure_quality(quality_kernels(), {lcg_points(64, 2, 1)}, none);
+  for (const Measure& m : q.measures) {
+    INFO(m.name << ": " << m.reason);
+    CHECK(m.value.has_value() == (m.name == "t"));
+    if (!m.value) CHECK_THAT(m.reason, Catch::StartsWith("too expensive: "));
+  }
+  CHECK_FALSE(q.power_spectrum);
+  CHECK_THAT(q.power_spectrum_reason, Catch::Contains("the limit is 1"));
+  CHECK_FALSE(q.pair_correlation);
+  CHECK_THAT(q.pair_correlation_reason, Catch::Contains("the limit is 1"));
 }

@@ -187,11 +187,9 @@ TEST_CASE("every sampler that declares blue-noise has low power below a quarter 
     const std::uint64_t n = test::admitted_size(sampler, 2, 256);
     std::vector<PointSet> sets;
     for (std::uint32_t r = 0; r < (sampler.replicable ? 16 : 1); ++r)
-      sets.push_back({2, test::points({.sampler = sampler.name,
-                                       .dim = 2,
-                                       .count = n,
-                                       .replicate = r,
-                                       .seed = r + 1})});
+      sets.push_back(
+          {2, test::points(
+                  {.sampler = sampler.name, .dim = 2, .count = n, .replicate = r, .seed = r + 1})});
     const PowerSpectrum s = spectrum_of(sets);
     INFO(sampler.name << ": peak " << s.peak_frequency << ", low power "
                       << s.low_frequency_power.value_or(-1));
