@@ -71,7 +71,7 @@ StarCover star_upper_bound(QualityKernels& kernels, const PointSet& points, doub
   const cl::Buffer x = kernels.columns(points, 2.0);  // padding lies outside every box
   std::vector<double> batch;
   const auto flush = [&] {
-    const auto boxes = static_cast<std::uint32_t>(batch.size() / (2 * points.dim));
+    const auto boxes = static_cast<std::uint32_t>(batch.size() / (std::size_t{2} * points.dim));
     if (boxes == 0) return;
     const cl::Buffer out = kernels.scalars(boxes);
     kernels.run("star", "bracket_bounds", boxes, x, kernels.padded(n), points.dim, n,
