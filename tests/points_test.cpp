@@ -1,6 +1,6 @@
-// The points that the kernels draw: sequences equal their definitions, nets stay nets under every
-// scrambling, random access equals replay, coordinates stay in range.
+// The points that the kernels draw equal their definitions.
 #include <Random123/philox.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +11,7 @@
 #include <set>
 
 #include "catalog/embedded.hpp"
-#include "points/sobol.hpp"
+#include "points/matrices.hpp"
 #include "points/tables.hpp"
 #include "tests/support.hpp"
 
@@ -33,21 +33,6 @@ std::vector<std::uint64_t> boost_point(std::uint32_t dim, std::uint64_t index) {
 }
 
 double fraction52(std::uint64_t word) { return std::ldexp(static_cast<double>(word >> 12), -52); }
-
-bool is_net(const Sampler& s) { return test::has_property(s, "digital-net"); }
-
-// Every elementary interval of area 2^-m in base 2 holds exactly one of the first 2^m points (t =
-// 0).
-bool is_0m2_net(const std::vector<double>& xy, unsigned m) {
-  for (unsigned q = 0; q <= m; ++q) {
-    std::set<std::pair<std::uint64_t, std::uint64_t>> boxes;
-    for (std::size_t i = 0; i < xy.size() / 2; ++i)
-      boxes.emplace(static_cast<std::uint64_t>(std::ldexp(xy[2 * i], static_cast<int>(q))),
-                    static_cast<std::uint64_t>(std::ldexp(xy[2 * i + 1], static_cast<int>(m - q))));
-    if (boxes.size() != xy.size() / 2) return false;
-  }
-  return true;
-}
 
 }  // namespace
 
@@ -83,179 +68,6 @@ TEST_CASE("sobol in the last tabulated dimension equals Boost's", "[device]") {
   }
 }
 
-TEST_CASE("declared known answers hold", "[device]") {
-  std::size_t answers = 0;
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!test::complete(s)) continue;
-    for (const Json& known : s.known_answers) {
-      const auto expected = known["points"].get<std::vector<std::vector<double>>>();
-      const std::uint32_t dim = known["dim"];
-      const auto drawn = points(
-          {.sampler = s.name, .dim = dim, .start = known["start"], .count = expected.size()});
-      for (std::size_t i = 0; i < expected.size(); ++i)
-        for (std::size_t j = 0; j < dim; ++j) REQUIRE(drawn[i * dim + j] == expected[i][j]);
-      ++answers;
-    }
-  }
-  REQUIRE(answers > 0);
-}
-
-TEST_CASE(
-    "every base-2 net keeps all elementary intervals of a (0,m,2)-net, whatever its randomization",
-    "[device]") {
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!is_net(s) || !test::complete(s)) continue;
-    for (const Precision precision : test::precisions(s)) {
-      for (const std::uint32_t r : test::some_replicates(s)) {
-        for (const unsigned m : {1U, 2U, 4U, 7U, 10U}) {
-          INFO(s.name << " " << precision_name(precision) << " replicate " << r << " m " << m);
-          const std::uint64_t n = std::uint64_t{1} << m;
-          REQUIRE(is_0m2_net(points({.sampler = s.name,
-                                     .dim = 2,
-                                     .precision = precision,
-                                     .count = n,
-                                     .replicate = r,
-                                     .n = n}),
-                             m));
-        }
-      }
-    }
-  }
-}
-
-TEST_CASE("replicates of a randomized sampler differ, and so do seeds", "[device]") {
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!s.replicable || !test::complete(s)) continue;
-    INFO(s.name);
-    const std::uint32_t dim = test::usual_dim(s);
-    const auto first = points({.sampler = s.name, .dim = dim, .count = 16});
-    CHECK(first != points({.sampler = s.name, .dim = dim, .count = 16, .replicate = 1}));
-    CHECK(first != points({.sampler = s.name, .dim = dim, .count = 16, .seed = 2}));
-  }
-}
-
-TEST_CASE("random access equals replay from the start", "[device]") {
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!test::complete(s)) continue;
-    const std::uint32_t dim = test::usual_dim(s);
-    const std::uint64_t n = test::admitted_size(s, dim, 4096);
-    for (const Precision precision : test::precisions(s)) {
-      INFO(s.name << " " << precision_name(precision));
-      const auto replayed = points({.sampler = s.name,
-                                    .dim = dim,
-                                    .precision = precision,
-                                    .count = 4096,
-                                    .log2_block = 12,
-                                    .n = n});
-      const auto accessed = points({.sampler = s.name,
-                                    .dim = dim,
-                                    .precision = precision,
-                                    .count = 4096,
-                                    .log2_block = 4,
-                                    .n = n});
-      REQUIRE(replayed == accessed);
-      const auto part = points({.sampler = s.name,
-                                .dim = dim,
-                                .precision = precision,
-                                .start = 1234,
-                                .count = 2862,
-                                .n = n});
-      REQUIRE(std::equal(part.begin(), part.end(), replayed.begin() + 1234L * dim));
-    }
-  }
-}
-
-TEST_CASE("random access equals replay around index 2^32, for sets that reach it", "[device]") {
-  std::size_t reaching = 0;
-  for (const Sampler& s : test::catalog().samplers) {
-    if (s.max_log2_n <= 33 || !test::complete(s)) continue;
-    ++reaching;
-    INFO(s.name);
-    const std::uint32_t dim = test::usual_dim(s);
-    const std::uint64_t start = (1ULL << 32) - 4096, n = test::admitted_size(s, dim, start + 8192);
-    const auto replayed = points(
-        {.sampler = s.name, .dim = dim, .start = start, .count = 8192, .log2_block = 12, .n = n});
-    REQUIRE(replayed == points({.sampler = s.name,
-                                .dim = dim,
-                                .start = start,
-                                .count = 8192,
-                                .log2_block = 4,
-                                .n = n}));
-    const auto wrapped = points({.sampler = s.name, .dim = dim, .count = 4096, .n = n});
-    REQUIRE_FALSE(std::equal(wrapped.begin(), wrapped.end(), replayed.begin() + 4096L * dim));
-  }
-  CHECK(reaching > 5);
-}
-
-TEST_CASE(
-    "the first points of a larger set are the smaller set where the entry says so, and only there",
-    "[device]") {
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!test::complete(s)) continue;
-    const std::uint32_t dim = test::usual_dim(s);
-    const std::uint64_t small = test::admitted_size(s, dim, 200),
-                        large = test::admitted_size(s, dim, small + 1);
-    const auto few = points({.sampler = s.name, .dim = dim, .count = small, .n = small});
-    const auto many = points({.sampler = s.name, .dim = dim, .count = large, .n = large});
-    INFO(s.name << " " << small << " and " << large);
-    CHECK(std::equal(few.begin(), few.end(), many.begin()) == s.extensible);
-  }
-}
-
-TEST_CASE("fp32 draws the points of fp64 at 23 bits", "[device]") {
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!test::complete(s) || s.precisions.size() < 2) continue;
-    const std::uint32_t dim = test::usual_dim(s);
-    const std::uint64_t n = test::grid_size(s, dim);
-    const std::uint64_t count = std::min<std::uint64_t>(n, 1024);
-    const auto fine = points({.sampler = s.name, .dim = dim, .count = count, .n = n});
-    const auto coarse = points(
-        {.sampler = s.name, .dim = dim, .precision = Precision::fp32, .count = count, .n = n});
-    for (std::size_t i = 0; i < fine.size(); ++i) {
-      INFO(s.name << " value " << i);
-      REQUIRE(std::floor(std::ldexp(fine[i], 23)) == std::floor(std::ldexp(coarse[i], 23)));
-    }
-  }
-}
-
-TEST_CASE("coordinates are the same bits for 1, 4, 8 and 16 lanes per work-item", "[device]") {
-  // One sampler for each kernel: others of the same text differ by their tables only. Sums at every
-  // width in both precisions are compared in pieces_test.cpp.
-  std::set<std::string> seen;
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!test::complete(s)) continue;
-    const std::uint32_t dim = test::usual_dim(s);
-    const Plan plan =
-        make_points_plan(test::catalog(), s.name, dim, Precision::fp64,
-                         test::admitted_size(s, dim, 512), 1, 1, test::device().facts());
-    if (!seen.insert(plan.program.text).second) continue;
-    const auto wide = points({.sampler = s.name, .dim = dim, .count = 512});
-    for (const std::uint32_t lanes : {1U, 4U, 8U}) {
-      INFO(s.name << " lanes " << lanes);
-      REQUIRE(wide ==
-              points({.sampler = s.name, .dim = dim, .count = 512, .lanes_per_item = lanes}));
-    }
-  }
-}
-
-TEST_CASE("coordinates lie in the declared range and on the declared grid", "[device]") {
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!test::complete(s)) continue;
-    const std::uint32_t dim = test::usual_dim(s);
-    for (const Precision precision : test::precisions(s)) {
-      const int bits = precision == Precision::fp32 ? 23 : 52;
-      const std::uint64_t n = test::grid_size(s, dim);
-      for (const double x :
-           points({.sampler = s.name, .dim = dim, .precision = precision, .count = n, .n = n})) {
-        const double units = std::ldexp(x, bits) - (s.centred ? 0.5 : 0.0);
-        INFO(s.name << " x = " << x);
-        REQUIRE((x < 1 && (s.centred ? x > 0 : x >= 0)));
-        REQUIRE((bits == 52 || units == std::floor(units)));
-      }
-    }
-  }
-}
-
 TEST_CASE(
     "every state word of every conversion gives a coordinate in range: all 2^23 in fp32, the "
     "extremes in fp64",
@@ -270,9 +82,10 @@ __kernel void convert(__global const word *words, __global const word *zeros, __
 })";
   for (const bool fp64 : {false, true}) {
     for (const bool centred : {false, true}) {
-      std::string text =
-          "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_DIM 1\n#define KOKSMA_FP64 " +
-          std::to_string(fp64) + "\n#define KOKSMA_CENTRED " + std::to_string(centred) + "\n";
+      std::string text = fmt::format(
+          "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_DIM 1\n#define KOKSMA_FP64 {:d}\n"
+          "#define KOKSMA_CENTRED {:d}\n",
+          fp64, centred);
       text += std::string(embedded_text("kernels/prelude.cl")) +
               std::string(embedded_text("kernels/points/lattice.cl")) + body;
       std::vector<std::uint64_t> words;
@@ -412,27 +225,39 @@ TEST_CASE("draws for different purposes, replicates, dimensions and indices are 
   CHECK(seen.size() == drawn);
 }
 
-TEST_CASE("a lattice's first 2^k points are the multiples of its generating vector, in Gray order",
+TEST_CASE("a lattice's first 2^k points are the multiples of one point, in Gray order",
           "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     if (!test::has_property(s, "lattice")) continue;
-    const std::uint32_t dim = 9;
-    if (s.options["vector"] == "random") continue;
-    const Json vector = parse_json(
-        embedded_text("kernels/points/vectors/" + s.options["vector"].get<std::string>() + ".json"),
-        "test");
-    const auto z = vector["z"].get<std::vector<std::uint64_t>>();
-    const auto drawn = points({.sampler = s.name, .dim = dim, .count = 1 << 12, .log2_block = 9});
-    for (std::uint64_t i = 0; i < 1 << 12; ++i) {
-      const std::uint64_t gray = i ^ i >> 1;
-      std::uint64_t reversed = 0;
-      for (unsigned k = 0; k < 12; ++k) reversed |= (gray >> k & 1) << (11 - k);
+    // 9 and 20 dimensions: the two ways to keep the state.
+    for (const std::uint32_t dim : {9U, 20U}) {
+      const auto drawn = points({.sampler = s.name, .dim = dim, .count = 1 << 12, .log2_block = 9});
+      // Point 2^12 - 1 is that of Gray code 2^11, whose radical inverse is 2^-12: the generating
+      // vector.
+      std::vector<std::uint64_t> z;
       for (std::uint32_t j = 0; j < dim; ++j) {
-        const double multiple = std::ldexp(static_cast<double>(reversed * z[j] % 4096), -12);
-        const double shift = s.centred ? drawn[j] : 0.0;  // point 0 is the shift
-        const double expected = multiple + shift - (multiple + shift >= 1 ? 1 : 0);
-        INFO(s.name << " point " << i << " dimension " << j);
-        REQUIRE(drawn[i * dim + j] == Approx(expected).margin(1e-15));
+        const double step = drawn[4095 * dim + j] - drawn[j];
+        z.push_back(static_cast<std::uint64_t>(std::ldexp(step - std::floor(step), 12) + 0.5));
+      }
+      if (s.options["vector"] != "drawn") {
+        const Json vector =
+            parse_json(embedded_text("kernels/points/vectors/" +
+                                     s.options["vector"].get<std::string>() + ".json"),
+                       "test");
+        for (std::uint32_t j = 0; j < dim; ++j)
+          REQUIRE(z[j] == vector["z"][j].get<std::uint64_t>() % 4096);
+      }
+      for (std::uint64_t i = 0; i < 1 << 12; ++i) {
+        const std::uint64_t gray = i ^ i >> 1;
+        std::uint64_t reversed = 0;
+        for (unsigned k = 0; k < 12; ++k) reversed |= (gray >> k & 1) << (11 - k);
+        for (std::uint32_t j = 0; j < dim; ++j) {
+          const double multiple = std::ldexp(static_cast<double>(reversed * z[j] % 4096), -12);
+          const double shift = s.centred ? drawn[j] : 0.0;  // point 0 is the shift
+          const double expected = multiple + shift - (multiple + shift >= 1 ? 1 : 0);
+          INFO(s.name << " point " << i << " dimension " << j);
+          REQUIRE(drawn[i * dim + j] == Approx(expected).margin(1e-15));
+        }
       }
     }
   }

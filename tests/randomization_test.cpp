@@ -7,7 +7,7 @@
 #include <set>
 
 #include "catalog/embedded.hpp"
-#include "points/sobol.hpp"
+#include "points/matrices.hpp"
 #include "points/tables.hpp"
 #include "tests/support.hpp"
 

@@ -73,7 +73,8 @@ struct ExpectedRate {
   double constant = 0, per_dimension = 0;
   std::string source;
   std::optional<std::uint32_t> gate_max_d;
-  double gate_tolerance = 0;
+  double gate_tolerance = 0;           // around the rate, or
+  std::optional<double> gate_at_most;  // one-sided: a slope that is steep enough
   bool log_correction = false;
 };
 

@@ -31,7 +31,8 @@ void read_rates(const Json& rates, std::map<std::string, ExpectedRate>& expected
     rate.source = entry.at("source");
     if (const auto gate = entry.find("gate"); gate != entry.end()) {
       rate.gate_max_d = gate->at("max_d").get<std::uint32_t>();
-      rate.gate_tolerance = gate->at("tolerance");
+      rate.gate_tolerance = gate->value("tolerance", 0.0);
+      if (gate->contains("at_most")) rate.gate_at_most = gate->at("at_most").get<double>();
       rate.log_correction = gate->value("log_correction", false);
     }
     expected[sampler_class] = rate;

@@ -10,7 +10,7 @@
 #include "error/error.hpp"
 #include "estimate/measure.hpp"
 #include "journal/journal.hpp"
-#include "points/sobol.hpp"
+#include "points/matrices.hpp"
 #include "report/results.hpp"
 #include "report/table.hpp"
 

@@ -70,8 +70,8 @@ RateFit fit_rate(std::span<const ConvergenceRow> rows, const FitOptions& options
 
 struct RateVerdict {
   std::optional<double> expected;  // constant + per_dimension/d
-  std::optional<double>
-      target;  // where there is a gate: expected, with the log correction (d − 1)/(2 ln 2^12)
+  std::optional<double> target;    // where there is a gate: its one-sided bound, or expected, with
+                                   // the log correction (d − 1)/(2 ln 2^12)
   std::string_view verdict;  // "within-gate", "outside-gate", "reported", "no-theory", "no-rate"
   std::string reason;        // why a gate was not applied, or why there is no rate
 };
@@ -87,8 +87,8 @@ inline constexpr std::size_t kGateRows = 8;
 // Replicates below which a cluster bootstrap covers less than 88 %: no interval.
 inline constexpr std::size_t kFewestForInterval = 8;
 
-// d ≥ 1. Within the gate is |slope − target| ≤ tolerance. Heavy tails, a deterministic fit, d above
-// the gate and R < 32 turn a gate into "reported".
+// d ≥ 1. Within the gate is |slope − target| ≤ tolerance, or slope ≤ target where it is one-sided.
+// Heavy tails, a deterministic fit, d above the gate and R < 32 turn a gate into "reported".
 RateVerdict judge(const RateFit& rate, const std::optional<ExpectedRate>& expected, unsigned d);
 
 }  // namespace koksma

@@ -37,7 +37,7 @@ RateVerdict judge(const RateFit& rate, const std::optional<ExpectedRate>& expect
     if (expected->gate_max_d) {
       const double correction =
           expected->log_correction ? (d - 1) / (2 * mean_log_samples(rate)) : 0;
-      result.target = *result.expected + correction;
+      result.target = expected->gate_at_most.value_or(*result.expected + correction);
     }
   }
   if (!rate.slope) {
@@ -54,8 +54,10 @@ RateVerdict judge(const RateFit& rate, const std::optional<ExpectedRate>& expect
     result.verdict = "reported";
     return result;
   }
-  const double distance = std::fabs(*rate.slope - *result.target);
-  result.verdict = distance <= expected->gate_tolerance ? "within-gate" : "outside-gate";
+  const bool within = expected->gate_at_most
+                          ? *rate.slope <= *result.target
+                          : std::fabs(*rate.slope - *result.target) <= expected->gate_tolerance;
+  result.verdict = within ? "within-gate" : "outside-gate";
   return result;
 }
 

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "error/error.hpp"
-#include "points/sobol.hpp"
+#include "points/matrices.hpp"
 #include "points/tables.hpp"
 
 namespace koksma {
@@ -107,12 +106,12 @@ void append_keys(std::vector<std::uint64_t>& words, const PointRequest& request)
 PointTable build_digital(const PointRequest& request) {
   const std::string randomize = request.options.at("randomize");
   const bool linear = randomize == "lms-shift", nested = randomize == "owen";
+  // An interlaced coordinate has several components, each of them a dimension of the net.
+  PointRequest net = request;
+  net.dim *= request.options.value("interlace", 1U);
   const auto needed = static_cast<std::uint32_t>(std::bit_width(request.end_index - 1));
-  const std::uint32_t columns = std::clamp(needed, 4u, kMaxSobolColumns);
-  const GeneratingMatrices plain =
-      request.directions_file.empty()
-          ? sobol_matrices(request.dim, columns)
-          : sobol_matrices_from_file(request.directions_file, request.dim, columns);
+  const std::uint32_t columns = std::clamp(needed, 4u, kMaxMatrixColumns);
+  const GeneratingMatrices plain = generating_matrices(net, columns);
   const WordForm form{request.fp64, nested};
 
   PointTable table;
@@ -123,11 +122,11 @@ PointTable build_digital(const PointRequest& request) {
     append_matrices(words, linear ? scrambled(plain, request.seed, r) : plain, form);
   const std::uint64_t matrix_size = (words.size() - kHeader) / matrix_sets;
   const std::uint64_t starts = words.size();
-  append_starts(words, request, form, randomize == "shift" || linear);
+  append_starts(words, net, form, randomize == "shift" || linear);
   const std::uint64_t keys = words.size();
-  if (nested) append_keys(words, request);
+  if (nested) append_keys(words, net);
 
-  const std::uint64_t d = request.dim;
+  const std::uint64_t d = net.dim;
   const std::uint64_t header[kHeader] = {
       linear ? matrix_size : 0,        d,      kHeader, kHeader + columns * d,
       kHeader + (2 * columns - 4) * d, starts, keys,    0};

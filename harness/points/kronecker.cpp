@@ -33,9 +33,10 @@ std::uint64_t root_fraction(std::uint32_t p) {
 // phi_d^-j, j = 1 … d: phi_d > 1 solves x^(d+1) = x + 1 (Roberts 2018).
 std::vector<std::uint64_t> golden_fractions(std::uint32_t dim) {
   using Real = boost::multiprecision::cpp_bin_float_50;
-  Real x = 2;
-  // Newton's method from above, where the function is convex; it meets its own rounding in the end.
-  for (int i = 0; i < 100; ++i) {
+  // Newton's method from above (x^(d+1) = x + 1 < 3), where the function is convex: a few steps,
+  // then rounding.
+  Real x = boost::multiprecision::pow(Real(3), Real(1) / (dim + 1));
+  for (int i = 0; i < 20; ++i) {
     const Real power = boost::multiprecision::pow(x, dim);
     x -= (power * x - x - 1) / ((dim + 1) * power - 1);
   }
@@ -51,7 +52,7 @@ std::vector<std::uint64_t> golden_fractions(std::uint32_t dim) {
 }  // namespace
 
 std::vector<std::uint64_t> kronecker_fractions(const std::string& kind, std::uint32_t dim) {
-  if (kind == "golden") return golden_fractions(dim);
+  if (kind == "generalised-golden-ratio") return golden_fractions(dim);
   std::vector<std::uint64_t> result;
   for (const std::uint32_t p : first_primes(dim)) result.push_back(root_fraction(p));
   return result;
@@ -72,7 +73,7 @@ PointTable build_kronecker(const PointRequest& request) {
   const std::uint64_t lanes = kHeader + std::uint64_t{halves} * request.dim;
   const std::uint64_t starts = lanes + std::uint64_t{halves} * request.dim * kLanes;
   words = {kHeader, lanes, starts, 0};
-  for (const std::uint64_t a : alpha) push(a);
+  for (const std::uint64_t a : alpha) push(kLanes * a);
   for (const std::uint64_t a : alpha) {
     // In fp32 the 16 high halves come first, then the 16 low ones.
     for (std::uint32_t half = 0; half < halves; ++half)

@@ -105,7 +105,7 @@ Sections append_vector(std::vector<std::uint64_t>& words, const std::vector<std:
 PointTable build_lattice(const PointRequest& request) {
   const std::string randomize = request.options.at("randomize");
   const std::string source = request.options.at("vector");
-  const bool random_vectors = source == "random";
+  const bool random_vectors = source == "drawn";
   const WordForm form{request.fp64, request.options.value("tent", false)};
   const std::uint32_t columns =
       std::max(static_cast<std::uint32_t>(std::bit_width(request.end_index - 1)), 4u);

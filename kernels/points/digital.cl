@@ -3,13 +3,17 @@
 // column(4 + trailing zeros of j) ^ column(3), j the new index / 16 (gray(16 j + l) flips bit 3 at every step).
 // The state is kept as the bits of a float in [1,2) ("mantissa state"), so a coordinate is one XOR and one
 // subtraction. Linear scrambles and digital shifts only change the table.
+// KOKSMA_DIGITAL_INTERLACE a > 1: a coordinate interlaces the digits of a scrambled components (Dick 2011): digit
+// k of component i becomes digit a (k - 1) + i. The net has D = a d dimensions then, those of coordinate j from a j on.
 // Table (words; c columns, s = c - 4 steps, D dimensions):
 //   [0] matrix_stride  [1] start_stride  [2] columns offset  [3] steps offset  [4] lanes offset
 //   [5] starts offset  [6] keys offset  [7] unused
 //   columns [c][D], steps [s][D], lanes [D][16] per matrix; starts [D] (digital shift and the pattern of 1.0)
 //   and keys [D][2] (nested scrambling) per replicate. A stride of 0 shares the one matrix between replicates.
+#define KOKSMA_DIGITAL_DIM (KOKSMA_DIM * KOKSMA_DIGITAL_INTERLACE)
+
 typedef struct {
-  bits state[KOKSMA_DIM];
+  bits state[KOKSMA_DIGITAL_DIM];
   __global const word *steps;
 #if KOKSMA_DIGITAL_OWEN
   __global const word *keys;
@@ -32,30 +36,61 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
   p->j = (uint)(first >> 4);
   p->dim = 0;
   KOKSMA_UNROLL
-  for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] = load_lanes(lanes + d * KOKSMA_LANES) ^ starts[d];
+  for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] = load_lanes(lanes + d * KOKSMA_LANES) ^ starts[d];
   // first is a multiple of 16: the bits of gray(first) below the third belong to the lanes.
   const ulong gray = first ^ first >> 1;
   for (uint k = 3; gray >> k != 0; ++k) {
     if ((gray >> k & 1) == 0) continue;
-    __global const word *column = columns + k * KOKSMA_DIM;
+    __global const word *column = columns + k * KOKSMA_DIGITAL_DIM;
     KOKSMA_UNROLL
-    for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] ^= column[d];
+    for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] ^= column[d];
   }
 }
 
 #if KOKSMA_DIGITAL_OWEN
-static inline real points_next(points *p) {
-  const uint d = p->dim++;
-  return unit_from_word(reverse_bits(owen_hash(p->state[d], p->keys[2 * d], p->keys[2 * d + 1])));
+static inline bits scrambled_component(const points *p, uint d) {
+  return owen_hash(p->state[d], p->keys[2 * d], p->keys[2 * d + 1]);
 }
+#endif
+
+#if KOKSMA_DIGITAL_INTERLACE > 1
+// Bit k of the low bits of x goes to bit a k. Reversed words: bit k is digit k + 1.
+static inline bits spread_bits(bits x) {
+#if KOKSMA_DIGITAL_INTERLACE == 2
+  x &= (word)0x00000000FFFFFFFFUL;
+  x = (x | x << 16) & (word)0x0000FFFF0000FFFFUL;
+  x = (x | x << 8) & (word)0x00FF00FF00FF00FFUL;
+  x = (x | x << 4) & (word)0x0F0F0F0F0F0F0F0FUL;
+  x = (x | x << 2) & (word)0x3333333333333333UL;
+  return (x | x << 1) & (word)0x5555555555555555UL;
+#else
+  x &= (word)0x00000000001FFFFFUL;
+  x = (x | x << 32) & (word)0x001F00000000FFFFUL;
+  x = (x | x << 16) & (word)0x001F0000FF0000FFUL;
+  x = (x | x << 8) & (word)0x100F00F00F00F00FUL;
+  x = (x | x << 4) & (word)0x10C30C30C30C30C3UL;
+  return (x | x << 2) & (word)0x1249249249249249UL;
+#endif
+}
+
+static inline real points_next(points *p) {
+  const uint first = p->dim++ * KOKSMA_DIGITAL_INTERLACE;
+  bits x = (bits)(word)0;
+  _Pragma("unroll")
+  for (uint i = 0; i < KOKSMA_DIGITAL_INTERLACE; ++i)
+    x |= spread_bits(scrambled_component(p, first + i)) << (word)i;
+  return unit_from_word(reverse_bits(x));
+}
+#elif KOKSMA_DIGITAL_OWEN
+static inline real points_next(points *p) { return unit_from_word(reverse_bits(scrambled_component(p, p->dim++))); }
 #else
 static inline real points_next(points *p) { return unit_from_mantissa(p->state[p->dim++]); }
 #endif
 
 static inline void points_step(points *p) {
-  __global const word *step = p->steps + trailing_zeros(++p->j) * KOKSMA_DIM;
+  __global const word *step = p->steps + trailing_zeros(++p->j) * KOKSMA_DIGITAL_DIM;
   KOKSMA_UNROLL
-  for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] ^= step[d];
+  for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] ^= step[d];
   p->dim = 0;
 }
 

@@ -1,6 +1,7 @@
 // koksma_bench: speeds in coordinates/s by the device's own clock, the fused Sobol' kernel beside
 // its hand-written limit, and memory against N. Rows: fused_sobol, limit_sobol and ratio_sobol per
-// precision, speed/<sampler> for every sampler of the catalog beside plain Sobol', memory_flat.
+// precision, speed/<sampler> for every sampler of the catalog beside plain Sobol', points_npy,
+// memory_flat.
 // --benchmark_filter=REGEX selects.
 //
 // The exit status is 1 when a row fails, a row's `ratio` is below its `required`, or its
@@ -10,10 +11,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 
 #include "avx2_limit.hpp"
@@ -189,6 +192,32 @@ void memory_flat(State& state, double limit_mb) {
   });
 }
 
+// The verb `points` as a user runs it, from start to end: a million points in 8 dimensions as .npy.
+// The least of five runs must stay below limit_s.
+void points_npy(State& state, const std::string& sampler, double limit_s) {
+  guarded(state, [&] {
+    const std::string out = fmt::format("{}/koksma-bench-{}.npy",
+                                        std::filesystem::temp_directory_path().string(), getpid());
+    const std::string command = fmt::format(
+        KOKSMA_COMMAND " points --sampler {} --dim 8 --n 1000000 --out {}", sampler, out);
+    double best = INFINITY;
+    for (auto _ : state) {
+      for (int run = 0; run < 5; ++run) {
+        const auto start = std::chrono::steady_clock::now();
+        if (std::system(command.c_str()) != 0) throw std::runtime_error(command + " failed");
+        best = std::min(
+            best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      }
+      state.SetIterationTime(best);
+    }
+    std::filesystem::remove(out);
+    state.counters["seconds"] = best;
+    state.counters["limit_s"] = limit_s;
+    if (best >= limit_s)
+      missed().push_back(fmt::format("points_npy {}: {:.2f} s >= {} s", sampler, best, limit_s));
+  });
+}
+
 void register_rows() {
   struct Requirement {
     Precision precision;
@@ -209,6 +238,10 @@ void register_rows() {
     add("ratio_sobol", ratio_sobol, precision, required.ratio)->Iterations(1);
   }
   timed(benchmark::RegisterBenchmark("memory_flat/fp64/d:2", memory_flat, 8.0))->Iterations(1);
+  for (const char* sampler : {"sobol", "sobol-owen", "random"})
+    timed(benchmark::RegisterBenchmark(fmt::format("points_npy/{}/fp64/d:8", sampler).c_str(),
+                                       points_npy, std::string(sampler), 1.0))
+        ->Iterations(1);
   register_speed_table(missed());
 }
 

@@ -1,13 +1,13 @@
-#include "points/sobol.hpp"
-
 #include <fmt/format.h>
 
 #include <bit>
+#include <boost/random/niederreiter_base2.hpp>
 #include <boost/random/sobol.hpp>
 #include <fstream>
 #include <sstream>
 
 #include "error/error.hpp"
+#include "points/matrices.hpp"
 
 namespace koksma {
 namespace {
@@ -56,16 +56,11 @@ void extend_columns(const DirectionLine& line, GeneratingMatrices& matrices, std
   }
 }
 
-GeneratingMatrices empty_matrices(std::uint32_t dim, std::uint32_t columns) {
-  return {dim, columns, std::vector<std::uint64_t>(std::size_t{dim} * columns)};
-}
-
-}  // namespace
-
-GeneratingMatrices sobol_matrices(std::uint32_t dim, std::uint32_t columns) {
-  GeneratingMatrices result = empty_matrices(dim, columns);
-  boost::random::sobol_engine<std::uint64_t, kWordBits> engine(dim);
-  // Boost's point 2^k - 1 (it skips the zero point) is C gray(2^k) = column k ^ column k-1.
+// The matrices of one of Boost's Gray-coded engines. Point 2^k - 1 (they skip the zero point) is
+// C gray(2^k) = column k ^ column k-1.
+template <typename Engine>
+GeneratingMatrices matrices_of(Engine engine, std::uint32_t dim, std::uint32_t columns) {
+  GeneratingMatrices result{dim, columns, std::vector<std::uint64_t>(std::size_t{dim} * columns)};
   for (std::uint32_t k = 0; k < columns; ++k) {
     engine.seed((std::uint64_t{1} << k) - 1);
     for (std::uint32_t d = 0; d < dim; ++d) {
@@ -75,6 +70,21 @@ GeneratingMatrices sobol_matrices(std::uint32_t dim, std::uint32_t columns) {
     }
   }
   return result;
+}
+
+GeneratingMatrices empty_matrices(std::uint32_t dim, std::uint32_t columns) {
+  return {dim, columns, std::vector<std::uint64_t>(std::size_t{dim} * columns)};
+}
+
+}  // namespace
+
+GeneratingMatrices sobol_matrices(std::uint32_t dim, std::uint32_t columns) {
+  return matrices_of(boost::random::sobol_engine<std::uint64_t, kWordBits>(dim), dim, columns);
+}
+
+GeneratingMatrices niederreiter_matrices(std::uint32_t dim, std::uint32_t columns) {
+  return matrices_of(boost::random::niederreiter_base2_engine<std::uint64_t, kWordBits>(dim), dim,
+                     columns);
 }
 
 GeneratingMatrices sobol_matrices_from_file(const std::string& path, std::uint32_t dim,
