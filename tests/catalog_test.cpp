@@ -141,7 +141,8 @@ TEST_CASE("every .cl of integrands/, sums/, transforms/ and points/ belongs to a
     for (const auto& e : entries) owned.insert(e.code.path);
   };
   for (const Family& family : test::catalog().families)
-    for (const SourceFile& part : family.parts) owned.insert(part.path);
+    for (const auto* pieces : {&family.parts, &family.preparations})
+      for (const SourceFile& piece : *pieces) owned.insert(piece.path);
   own(test::catalog().families);
   own(test::catalog().integrands);
   own(test::catalog().transforms);

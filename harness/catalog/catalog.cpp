@@ -36,11 +36,17 @@ void read_kernels(Catalog& catalog, const EmbeddedFile& file) {
   if (is_json_in(path, "kernels/points/")) {
     const Json entry = checked_entry(path, file.text, "harness/catalog/points.schema.json");
     Family family{
-        entry["family"], entry["title"], entry["citation"], embedded_code_beside(path), {}};
-    for (const Json& part : entry.value("parts", Json::array())) {
-      const std::string code = fmt::format("kernels/points/parts/{}.cl", part.get<std::string>());
-      family.parts.push_back({code, std::string(embedded_text(code))});
-    }
+        entry["family"], entry["title"], entry["citation"], embedded_code_beside(path), {}, {}};
+    const auto read_pieces = [&](const char* key, const char* folder) {
+      std::vector<SourceFile> pieces;
+      for (const Json& name : entry.value(key, Json::array())) {
+        const std::string code = fmt::format("{}/{}.cl", folder, name.get<std::string>());
+        pieces.push_back({code, std::string(embedded_text(code))});
+      }
+      return pieces;
+    };
+    family.parts = read_pieces("parts", "kernels/points/parts");
+    family.preparations = read_pieces("preparations", "kernels/points/prepare");
     catalog.families.push_back(std::move(family));
     for (const Json& sampler : entry["samplers"])
       catalog.samplers.push_back(read_sampler(sampler, entry["family"]));

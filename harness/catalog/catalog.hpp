@@ -24,6 +24,7 @@ struct SamplerParameter {
   std::string name, meaning;
   bool required = false;
   std::vector<std::string> allowed;  // empty: anything
+  bool path = false;                 // of a file of the user's, whose contents decide the points
 };
 
 struct Sampler {
@@ -53,7 +54,8 @@ struct Sampler {
 struct Family {
   std::string name, title, citation;
   SourceFile code;
-  std::vector<SourceFile> parts;  // come before the code
+  std::vector<SourceFile> parts;         // come before the code
+  std::vector<SourceFile> preparations;  // kernels that compute point sets beforehand
 };
 
 struct Parameter {

@@ -80,8 +80,9 @@ Sampler read_sampler(const Json& entry, const std::string& family) {
   s.rate_class = entry["rate_class"];
   s.rotated_rate_class = entry.value("rotated_rate_class", "");
   for (const Json& p : entry.value("parameters", Json::array()))
-    s.parameters.push_back(
-        {p["name"], p["meaning"], p["required"], p.value("allowed", std::vector<std::string>{})});
+    s.parameters.push_back({p["name"], p["meaning"], p["required"],
+                            p.value("allowed", std::vector<std::string>{}),
+                            p.value("path", false)});
   s.speed = entry.value("speed", std::map<std::string, double>{});
   s.properties = entry["properties"].get<std::vector<std::string>>();
   s.options = entry["options"];

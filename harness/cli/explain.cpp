@@ -6,6 +6,7 @@
 
 #include "cli/verbs.hpp"
 #include "device/exact.hpp"
+#include "device/prepare.hpp"
 #include "error/error.hpp"
 #include "plan/plan.hpp"
 
@@ -17,6 +18,15 @@ struct ExplainOptions {
   std::vector<std::string> integrands;
   StudyFlags flags;
 };
+
+void print_preparation(const Plan& plan) {
+  if (!plan.preparation) return;
+  const Preparation& work = plan.preparation->work;
+  const std::string file = cache_file(*plan.preparation);
+  fmt::print("preparation {}, {} points of {} dimensions, {} launches, kept in {}\n",
+             plan.preparation->program.name, work.points, work.dim, work.launches.size(),
+             file.empty() ? "memory: there is no cache folder" : file);
+}
 
 void print_plan(const Plan& plan, std::size_t table_bytes, const DeviceFacts& device) {
   const std::size_t size = plan.fp64() ? 8 : 4;
@@ -34,6 +44,7 @@ void print_plan(const Plan& plan, std::size_t table_bytes, const DeviceFacts& de
       "at N = {}\n",
       device.name, plan.shape.lanes_per_item, plan.shape.local_size,
       plan.shape.log2_block.value_or(log2_block_length(plan.cell.n.back())), plan.cell.n.back());
+  print_preparation(plan);
   fmt::print(
       "draws       {} coordinates per sample\npoint table {} bytes, {:.1f} per dimension and "
       "replicate\n",
@@ -43,6 +54,8 @@ void print_plan(const Plan& plan, std::size_t table_bytes, const DeviceFacts& de
              plan.integrand->coefficients.size() * plan.cell.scene.dim * size,
              plan.program.options);
   for (const LeftOut& item : plan.left_out) fmt::print("  {}: {}\n", item.what, item.why);
+  if (plan.preparation)
+    fmt::print("\nsource of the preparation\n{}", plan.preparation->program.text);
   fmt::print("\nkernel source\n{}", plan.program.text);
 }
 
@@ -51,10 +64,10 @@ int explain(const ExplainOptions& options) {
   StudyFlags flags = options.flags;
   flags.own_directions = !options.directions.empty();
   const Study study = read_study(catalog, "", flags);
-  const Device device = Device::choose(options.device);
+  Device device = Device::choose(options.device);
   for (const Cell& cell : study.cells) {
     const Plan plan = make_plan(catalog, cell, device.facts(), options.directions);
-    print_plan(plan, build_point_table(plan).size(), device.facts());
+    print_plan(plan, point_table(device, plan).size(), device.facts());
   }
   return kAllOk;
 }

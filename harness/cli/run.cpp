@@ -1,6 +1,7 @@
 // koksma run: study -> plans -> build everything -> time everything -> journal -> results.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -130,8 +131,14 @@ class Run {
 };
 
 // The user's files decide results too: cells measured with other contents are not taken over.
-void add_input_files(Json& context, const RunOptions& options) {
+void add_input_files(Json& context, const RunOptions& options, const Catalog& catalog,
+                     const Study& study) {
   std::vector<std::string> paths;
+  for (const Cell& cell : study.cells) {
+    const Sampler sampler = catalog.sampler(cell.sampler, "sampler");
+    for (const SamplerParameter& p : sampler.parameters)
+      if (p.path && sampler.options.contains(p.name)) paths.push_back(sampler.options[p.name]);
+  }
   for (const std::string& path : options.integrands) {
     paths.push_back(path);
     paths.push_back(std::filesystem::path(path).replace_extension(".cl").string());
@@ -154,6 +161,20 @@ void check_directions(const RunOptions& options, const Catalog& catalog, const S
   sobol_matrices_from_file(options.directions, most, 1);
 }
 
+// The same for files that samplers name: planning reads them.
+void check_sampler_files(const Catalog& catalog, const Study& study, const DeviceFacts& device) {
+  for (const Cell& cell : study.cells) {
+    const Sampler sampler = catalog.sampler(cell.sampler, "sampler");
+    if (std::none_of(sampler.parameters.begin(), sampler.parameters.end(),
+                     [](const SamplerParameter& p) { return p.path; }))
+      continue;
+    try {
+      make_plan(catalog, cell, device);
+    } catch (const UnsupportedError&) {  // a row of the results will tell
+    }
+  }
+}
+
 int run(const RunOptions& options, const std::string& command_line) {
   const Catalog catalog = load_catalog(options.integrands);
   StudyFlags flags = options.flags;
@@ -168,10 +189,11 @@ int run(const RunOptions& options, const std::string& command_line) {
   check_writable(out);
   check_directions(options, catalog, study);
   Device device = Device::choose(options.device);
+  check_sampler_files(catalog, study, device.facts());
 
   const Json context = make_context(device.facts(), study, command_line);
   Json same_context = resume_context(context);
-  add_input_files(same_context, options);
+  add_input_files(same_context, options, catalog, study);
   Journal journal(out, same_context, options.resume);
   if (!options.quiet && journal.taken_over() > 0)
     fmt::print(stderr, "{} finished cells taken over from {}\n", journal.taken_over(),

@@ -3,6 +3,7 @@
 
 #include <CL/opencl.hpp>  // with the CL_HPP_ definitions of CMakeLists.txt
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,11 @@ class Device {
   // the log.
   BuiltProgram build(const ProgramSource& source);
 
+  // Point sets that preparations have computed through this object, by key (device/prepare.hpp).
+  std::map<std::string, std::shared_ptr<const std::vector<double>>>& prepared() {
+    return prepared_;
+  }
+
   // A read-only buffer with these bytes (at least 8 are allocated).
   cl::Buffer upload(const void* data, std::size_t bytes);
   cl::Buffer allocate(std::size_t bytes);
@@ -56,6 +62,7 @@ class Device {
   cl::Context context_;
   cl::CommandQueue queue_;
   std::map<std::string, cl::Program> programs_;
+  std::map<std::string, std::shared_ptr<const std::vector<double>>> prepared_;
 };
 
 // Seconds between start and end of a finished event.

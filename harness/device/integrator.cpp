@@ -5,6 +5,8 @@
 #include <cstring>
 #include <numeric>
 
+#include "device/prepare.hpp"
+
 namespace koksma {
 namespace {
 
@@ -42,7 +44,8 @@ Integrator::Integrator(Device& device, const Plan& plan, const std::vector<doubl
   build_s_ = built.build_s;
   const auto start = Clock::now();
   kernel_ = checked([&] { return cl::Kernel(built.program, "integrate"); });
-  const std::vector<std::byte> table = given_table.empty() ? build_point_table(plan) : given_table;
+  const std::vector<std::byte> table =
+      given_table.empty() ? point_table(device, plan) : given_table;
   table_bytes_ = table.size();
   table_ = device.upload(table.data(), table.size());
   table_n_ = plan.request.end_index;
@@ -55,7 +58,7 @@ Integrator::Integrator(Device& device, const Plan& plan, const std::vector<doubl
 void Integrator::prepare(std::uint64_t n) {
   if (plan_.sampler->extensible || n == table_n_) return;
   const auto start = Clock::now();
-  const std::vector<std::byte> table = build_point_table(plan_, n);
+  const std::vector<std::byte> table = point_table(device_, plan_, n);
   table_ = device_.upload(table.data(), table.size());
   table_n_ = n;
   table_bytes_ = std::max(table_bytes_, table.size());

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "device/prepare.hpp"
+
 namespace koksma {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr std::uint64_t kLanes = 16;
 PointsDump::PointsDump(Device& device, const Plan& plan) : device_(device), plan_(plan) {
   const BuiltProgram built = device.build(plan.program);
   kernel_ = checked([&] { return cl::Kernel(built.program, "dump_points"); });
-  const std::vector<std::byte> table = build_point_table(plan);
+  const std::vector<std::byte> table = point_table(device, plan);
   table_ = device.upload(table.data(), table.size());
 }
 

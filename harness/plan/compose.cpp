@@ -82,6 +82,20 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
           kOptions};
 }
 
+ProgramSource compose_preparation(const Family& family, const std::string& piece,
+                                  std::uint32_t local_size) {
+  const std::string path = fmt::format("kernels/points/prepare/{}.cl", piece);
+  std::string text =
+      "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_FP64 0\n#define KOKSMA_DIM 2\n"
+      "#define KOKSMA_CENTRED 0\n";
+  append_embedded(text, "kernels/prelude.cl");
+  for (const SourceFile& part : family.parts) append_piece(text, part);
+  for (const SourceFile& code : family.preparations)
+    if (code.path == path) append_piece(text, code);
+  return {fmt::format("the preparation {}", path), std::move(text),
+          fmt::format("{} -DKOKSMA_LOCAL_SIZE={}", kOptions, local_size)};
+}
+
 ProgramSource counting_program(const Catalog& catalog, const Plan& plan) {
   return compose(catalog, plan, ProgramKind::count_nonfinite);
 }

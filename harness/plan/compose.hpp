@@ -9,4 +9,9 @@ enum class ProgramKind { integrate, count_nonfinite, inspect, inspect_scene };
 
 ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind);
 
+// The kernels of kernels/points/prepare/<piece>.cl, after the family's parts. The local size is
+// among the options, so that the text alone tells what is computed.
+ProgramSource compose_preparation(const Family& family, const std::string& piece,
+                                  std::uint32_t local_size);
+
 }  // namespace koksma

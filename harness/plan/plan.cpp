@@ -119,6 +119,19 @@ std::vector<std::uint64_t> rotation_table(const PointRequest& request) {
   return words;
 }
 
+// What the family's sets ask of the device first, and what only the user's files can refuse.
+void plan_preparation(const Catalog& catalog, Plan& plan, const DeviceFacts& device) {
+  const PreparationBuilder prepare = find_preparation_builder(plan.sampler->family);
+  if (prepare == nullptr) return;
+  std::optional<Preparation> work = prepare(plan.request);
+  if (!work) return;
+  const std::uint64_t most = std::min<std::uint64_t>(64, device.max_work_group_size);
+  const auto local_size = static_cast<std::uint32_t>(device.is_cpu ? 1 : most);
+  ProgramSource program =
+      compose_preparation(catalog.family(plan.sampler->family), work->piece, local_size);
+  plan.preparation = {std::move(*work), std::move(program), local_size};
+}
+
 }  // namespace
 
 std::uint32_t log2_block_length(std::uint64_t n) {
@@ -143,6 +156,7 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
   if (plan.cell.n.empty()) refuse_resolution(plan, cell.n.front());
   plan.request = {plan.sampler->options, cell.scene.dim, plan.fp64(),     plan.cell.n.back(),
                   cell.replicates,       cell.seed,      directions_file, nullptr};
+  plan_preparation(catalog, plan, device);
   plan.program = compose(catalog, plan, ProgramKind::integrate);
   note_what_is_left_out(plan);
   return plan;
@@ -159,13 +173,16 @@ Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::u
   plan.request = {plan.sampler->options, dim,    plan.fp64(), end_index, replicates, seed,
                   directions_file,       nullptr};
   if (!resolves(plan, end_index)) refuse_resolution(plan, end_index);
+  plan_preparation(catalog, plan, device);
   plan.program = compose(catalog, plan, ProgramKind::inspect);
   return plan;
 }
 
-std::vector<std::byte> build_point_table(const Plan& plan, std::uint64_t n) {
+std::vector<std::byte> build_point_table(
+    const Plan& plan, std::uint64_t n, const std::shared_ptr<const std::vector<double>>& prepared) {
   const PointTableBuilder build = find_table_builder(plan.sampler->family);
   PointRequest request = plan.request;
+  if (prepared != nullptr) request.prepared = prepared;
   if (!plan.sampler->extensible && n > 0) request.end_index = n;
   std::vector<std::uint64_t> words;
   if (plan.sampler->rotated) words = rotation_table(request);

@@ -40,6 +40,13 @@ struct ProgramSource {
   std::string options;
 };
 
+// A preparation with the program that holds its kernels.
+struct PlannedPreparation {
+  Preparation work;
+  ProgramSource program;
+  std::uint32_t local_size = 1;  // of every launch
+};
+
 struct LeftOut {
   std::string what, why;
 };
@@ -55,6 +62,7 @@ struct Plan {
   LaunchShape shape;
   ProgramSource program;
   PointRequest request;
+  std::optional<PlannedPreparation> preparation;  // to run before the point table is built
   std::vector<std::uint64_t>
       refused_n;  // sizes of the study beyond the resolution; cell.n keeps the others
   std::uint64_t max_allocation = 0;  // bytes, of the device
@@ -88,7 +96,11 @@ ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchS
 
 // The point table in the words of the plan's precision, as bytes ready to upload (at least one
 // word). Of sets that are not extensible it is that of the set of n points; 0: the plan's largest.
-std::vector<std::byte> build_point_table(const Plan& plan, std::uint64_t n = 0);
+// `prepared`: what the plan's preparation computed, where it has one; device/prepare.hpp runs it
+// and calls this.
+std::vector<std::byte> build_point_table(
+    const Plan& plan, std::uint64_t n = 0,
+    const std::shared_ptr<const std::vector<double>>& prepared = nullptr);
 
 // log2 of the block length for N samples: at least 2^8, so that seeking is cheap beside stepping;
 // at most 2^16; 64 blocks in between. A function of N alone, so results do not depend on the

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,7 +25,8 @@ struct PointRequest {
   std::uint32_t replicates = 1;
   std::uint64_t seed = 0;
   std::string directions_file;  // Joe-Kuo format; empty: built-in direction numbers
-  // What the sampler's preparation computed on a device: [point][dimension]; empty: it has none.
+  // What the sampler's preparation computed on a device: [point][dimension]; nullptr: it has none,
+  // or has not run.
   std::shared_ptr<const std::vector<double>> prepared;
 };
 
@@ -42,6 +44,35 @@ inline constexpr std::uint32_t kMostUnrolledDim = 16;
 
 // The builder of a family, nullptr if it draws without tables.
 PointTableBuilder find_table_builder(std::string_view family);
+
+// One launch of a preparation: `items` work-items of a kernel; its arguments are the buffers, then
+// these ulongs.
+struct PreparationLaunch {
+  const char* kernel;
+  std::uint64_t items;
+  std::vector<std::uint64_t> arguments;
+};
+
+// What a device is to run, in this order, before the table can be built: the kernels of
+// kernels/points/prepare/<piece>.cl. The first buffer (all of them begin as zeros) receives
+// points x dim ulongs [point][dimension], fractions of 64 bits, and after them the number of points
+// that were made.
+struct Preparation {
+  std::string piece;
+  std::uint64_t points = 0;
+  std::uint32_t dim = 0;
+  std::vector<std::uint64_t> other_buffers;  // bytes
+  std::vector<PreparationLaunch> launches;
+};
+
+// A family whose sets are computed on a device, or read from files, has
+// harness/points/<family>_preparation.cpp with `std::optional<Preparation>
+// prepare_<family>(const PointRequest&)`, called when a cell is planned: InputError where the
+// request asks for more than there is.
+using PreparationBuilder = std::optional<Preparation> (*)(const PointRequest&);
+
+// nullptr if the family has none.
+PreparationBuilder find_preparation_builder(std::string_view family);
 
 // What a draw from the seed's stream is for; part of the Philox counter, so streams never meet
 // (6-definitions 6). Purpose 0 is the `random` family on the device.

@@ -24,7 +24,7 @@ static inline real points_next(points *p) {
 #if KOKSMA_RANDOM_ANTITHETIC
     // Halving the index of a lane: index is a multiple of W, and an item of one lane may hold an odd one.
     const words32 pair = ((lane_numbers() + (uint)(p->index & 1)) >> 1) + (uint)(p->index >> 1);
-    random_quartet(pair, (words32)(uint)(p->index >> 33), p->seed, p->replicate, 0, p->dim / 4, p->buffer);
+    random_dimensions(pair, (words32)(uint)(p->index >> 33), p->seed, p->replicate, 0, p->dim / 4, p->buffer);
     const bits odd = KOKSMA_TO_BITS((lane_numbers() + (uint)p->index) & 1u);
     for (uint i = 0; i < 4; ++i) p->buffer[i] ^= (word)0 - odd;
 #else

@@ -51,22 +51,14 @@ __attribute__((always_inline)) static inline void philox_rounds(words32 c0, word
   out[3] = c3;
 }
 
-// Four words of `bits` for lanes with the index words c0 and c1: quartet k of a purpose, one word each for
-// dimensions 4k ... 4k+3. Output c of block 2k is the high half of word c, output c of block 2k + 1 its low half, so
-// that fp32, which keeps the high half, computes block 2k only. Where one or two dimensions are left in the last
-// quartet, block 2k holds both halves: high in outputs 0 and 1, low in 2 and 3; the other words are not drawn.
+// Four words of `bits` for lanes with the index words c0 and c1, quartet k of a purpose. Output c of block 2k is the
+// high half of word c, output c of block 2k + 1 its low half, so that fp32, which keeps the high half, computes block
+// 2k only.
 static inline void random_quartet(words32 c0, words32 c1, ulong seed, uint replicate, uint purpose, uint k,
                                   bits out[4]) {
   words32 high[4];
   philox_rounds(c0, c1, seed, replicate, purpose << 24 | k * 2, high);
 #if KOKSMA_FP64
-#if KOKSMA_DIM % 4 == 1 || KOKSMA_DIM % 4 == 2
-  if (k == KOKSMA_DIM / 4) {
-    out[0] = KOKSMA_TO_BITS(high[0]) << 32 | KOKSMA_TO_BITS(high[2]);
-    out[1] = KOKSMA_TO_BITS(high[1]) << 32 | KOKSMA_TO_BITS(high[3]);
-    return;
-  }
-#endif
   words32 low[4];
   philox_rounds(c0, c1, seed, replicate, purpose << 24 | (k * 2 + 1), low);
   _Pragma("unroll")
@@ -77,8 +69,24 @@ static inline void random_quartet(words32 c0, words32 c1, ulong seed, uint repli
 #endif
 }
 
-// The same for the lanes' own consecutive indices, `index` that of the first lane. It is a multiple of W and W
+// One word each for dimensions 4k ... 4k+3, as far as there are so many. Where one or two dimensions are left in the
+// last quartet, block 2k holds both halves, high in outputs 0 and 1, low in 2 and 3: half the work at d = 1 and 2.
+static inline void random_dimensions(words32 c0, words32 c1, ulong seed, uint replicate, uint purpose, uint k,
+                                     bits out[4]) {
+#if KOKSMA_FP64 && (KOKSMA_DIM % 4 == 1 || KOKSMA_DIM % 4 == 2)
+  if (k == KOKSMA_DIM / 4) {
+    words32 halves[4];
+    philox_rounds(c0, c1, seed, replicate, purpose << 24 | k * 2, halves);
+    out[0] = KOKSMA_TO_BITS(halves[0]) << 32 | KOKSMA_TO_BITS(halves[2]);
+    out[1] = KOKSMA_TO_BITS(halves[1]) << 32 | KOKSMA_TO_BITS(halves[3]);
+    return;
+  }
+#endif
+  random_quartet(c0, c1, seed, replicate, purpose, k, out);
+}
+
+// random_dimensions of the lanes' own consecutive indices, `index` that of the first lane. It is a multiple of W and W
 // divides 2^32, so the low half never carries inside an item.
 static inline void random_words(ulong index, ulong seed, uint replicate, uint purpose, uint k, bits out[4]) {
-  random_quartet(lane_numbers() + (uint)index, (words32)(uint)(index >> 32), seed, replicate, purpose, k, out);
+  random_dimensions(lane_numbers() + (uint)index, (words32)(uint)(index >> 32), seed, replicate, purpose, k, out);
 }
