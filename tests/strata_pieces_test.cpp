@@ -7,7 +7,7 @@
 
 #include "catalog/embedded.hpp"
 #include "points/grids.hpp"
-#include "points/sobol.hpp"
+#include "points/matrices.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
