@@ -195,5 +195,5 @@ TEST_CASE("every sampler that declares blue-noise has low power below a quarter 
                       << s.low_frequency_power.value_or(-1));
     CHECK(s.low_frequency_power.value() < 0.2);
   }
-  WARN(declared << " samplers declare blue-noise");
+  CHECK(declared > 0);
 }
