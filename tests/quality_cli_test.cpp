@@ -93,6 +93,13 @@ TEST_CASE("deterministic points are one set, randomized planar ones 16", "[devic
   CHECK(quality_of("--sampler sobol-shift --dim 3 --n 64")["averages"]["sets"] == 1);
 }
 
+TEST_CASE("replicates that are shifts of one set are not said to be averaged", "[device]") {
+  const std::string lattice = "--sampler lattice-shift --dim 2 --n 64 --replicates 4";
+  CHECK(quality_of(lattice)["averages"]["power_spectrum"]["value"]["distinct_sets"] == 1);
+  CHECK_THAT(run_command("quality " + lattice).output,
+             Contains("power spectrum: 1 distinct, the other sets are shifts of the first"));
+}
+
 TEST_CASE("a scene gets variation times star discrepancy, above its error", "[device]") {
   const Json json = quality_of(
       "--sampler sobol-owen --dim 2 --n 128 --scene genz-gaussian:d=2 --scene "

@@ -159,6 +159,15 @@ TEST_CASE("pair correlation counts every pair once, on the torus", "[device]") {
   }
 }
 
+TEST_CASE("sets that are one set shifted on the torus count as one", "[device]") {
+  const PointSet p = test::lcg_points(64, 2, 9);
+  PointSet shifted = p;
+  for (double& x : shifted.x) x = std::fmod(x + 0.371, 1.0);
+  CHECK(spectrum_of({p, shifted, p}).distinct_sets == 1);
+  CHECK(spectrum_of({p, shifted, test::lcg_points(64, 2, 10)}).distinct_sets == 2);
+  CHECK(spectrum_of(white_noise(64, 5)).distinct_sets == 5);
+}
+
 TEST_CASE("dart throwing has little power near zero frequency and no near pairs", "[statistical]") {
   // 16 sets, 6-definitions 18: measured there 0.07 to 0.10, white noise 1. White noise would pass
   // below 1e-6: the mean of 16 * c exponentials, c the frequencies below a quarter of the peak.

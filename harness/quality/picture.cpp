@@ -121,7 +121,8 @@ std::vector<Curve> planar_curves(const Quality& quality) {
     curves.push_back(positive_curve("radial mean power; red: white noise", "|k|", rings,
                                     s.radial_mean, s.reach));
     curves.push_back({"anisotropy in dB; red: white noise", "|k|", rings, s.anisotropy_db,
-                      static_cast<double>(s.reach), -30, 30, 10, -10 * std::log10(quality.sets)});
+                      static_cast<double>(s.reach), -30, 30, 10,
+                      -10 * std::log10(s.distinct_sets)});
   }
   if (quality.pair_correlation) {
     const PairCorrelation& g = *quality.pair_correlation;
@@ -138,8 +139,8 @@ void draw_planar(Canvas& canvas, const Quality& quality) {
     const PowerSpectrum& s = *quality.power_spectrum;
     draw_spectrum(canvas, image, s);
     draw_caption(canvas, image,
-                 fmt::format("power spectrum P / (1 + P), |k| <= {}, mean of {} set{}", s.reach,
-                             quality.sets, quality.sets == 1 ? "" : "s"));
+                 fmt::format("power spectrum P / (1 + P), |k| <= {}, mean of {} distinct set{}",
+                             s.reach, s.distinct_sets, s.distinct_sets == 1 ? "" : "s"));
   } else {
     draw_frame(canvas, image);
     draw_caption(canvas, image, "power spectrum: not computed");

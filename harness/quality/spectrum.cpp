@@ -29,6 +29,12 @@ std::vector<double> half_spectrum(QualityKernels& kernels, const PointSet& point
   return result;
 }
 
+// Equal up to the rounding of a spectrum in single precision.
+bool same_spectrum(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(),
+                    [](double p, double q) { return std::fabs(p - q) <= 1e-2 * (1 + p); });
+}
+
 // Calls take(|k|, P(k)) for the frequencies of one half plane, without 0: the others are equal.
 template <typename Take>
 void each_independent(const PowerSpectrum& s, Take&& take) {
@@ -115,8 +121,11 @@ PowerSpectrum power_spectrum(QualityKernels& kernels, const std::vector<PointSet
   result.reach = reach;
   const std::size_t width = 2 * std::size_t{reach} + 1;
   result.power.assign(width * width, 0.0);
+  std::vector<double> first;
   for (const PointSet& points : sets) {
     const std::vector<double> half = half_spectrum(kernels, points, reach);
+    if (first.empty()) first = half;
+    result.distinct_sets += same_spectrum(first, half) ? 0 : 1;
     for (std::size_t i = 0; i < half.size(); ++i) result.power[reach * width + i] += half[i];
   }
   // P(-k) = P(k): the lower half is the upper one read backwards.

@@ -41,13 +41,15 @@ Json power_spectrum_json(const Quality& q) {
   json["method"] =
       "|sum exp(-2 pi i k.x)|^2 / N at integer frequencies, in rings of width 1 about 1, 2, ...; "
       "white noise is 1; anisotropy: variance within the ring over the squared mean, dB, -10 "
-      "log10(sets) for white noise (Ulichney 1987; Lagae and Dutre, Comput. Graph. Forum 27, 2008)";
+      "log10(distinct_sets) for white noise (Ulichney 1987; Lagae and Dutre, Comput. Graph. Forum "
+      "27, 2008)";
   json["reason"] = text_or_null(q.power_spectrum_reason);
   if (!q.power_spectrum) return json;
   const PowerSpectrum& s = *q.power_spectrum;
   Json anisotropy = Json::array();
   for (const auto& db : s.anisotropy_db) anisotropy.push_back(number_or_null(db));
   json["value"] = {{"reach", s.reach},
+                   {"distinct_sets", s.distinct_sets},
                    {"radial_mean", s.radial_mean},
                    {"anisotropy_db", anisotropy},
                    {"peak_frequency", s.peak_frequency},
@@ -92,6 +94,10 @@ std::string averages_text(const Json& averages) {
   std::string text;
   if (const Json& s = averages["power_spectrum"]["value"]; s.is_object()) {
     const Json& low = s["low_frequency_power"];
+    const auto distinct = s["distinct_sets"].get<std::uint32_t>();
+    if (distinct < averages["sets"].get<std::uint32_t>())
+      text += fmt::format("power spectrum: {} distinct, the other sets are shifts of the first\n",
+                          distinct);
     text += fmt::format(
         "power spectrum: greatest in the ring |k| = {}, {} below a quarter of it\n",
         s["peak_frequency"].get<double>(),
