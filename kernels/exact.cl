@@ -1,6 +1,6 @@
 // exact.cl: the program of exact values, the last piece after the params and the integrand's KOKSMA_EXACT
 // part. It runs in scalar double on a CPU device with fp64, once per cell, and is built without any
-// relaxed flag. Defines: KOKSMA_EXACT_MEAN, _VARIANCE, _MEAN_ABS (1 where the integrand has that
+// relaxed flag. Defines: KOKSMA_EXACT_MEAN, _VARIANCE, _MEAN_ABS, _VARIATION (1 where the integrand has that
 // function) and KOKSMA_EXACT_SETUP (the number of coefficients, where there are any). `values` are the
 // parameters in their order.
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
@@ -21,10 +21,19 @@ static void legendre_16(uint k, double length, double *y, double *weight) {
   *weight = length / 2 * koksma_legendre_weights[k % 8];
 }
 
-// out = mean, variance, mean of |f|; NaN where the integrand's entry has no formula.
+// One dimension more for the Hardy-Krause variation, anchored at 1, of a product of functions g_j: it is
+// prod (|g_j(1)| + Var g_j) - prod |g_j(1)| (the sum over faces of products of variations, Owen 2005, Multidimensional
+// variation for quasi-Monte Carlo). *variation starts at 0 and *at_one, the product of the
+// |g_j(1)|, at 1; built up without a subtraction. An integrand that wants it declares it.
+static void add_variation_factor(double value_at_one, double total_variation, double *variation, double *at_one) {
+  *variation = (fabs(value_at_one) + total_variation) * *variation + total_variation * *at_one;
+  *at_one *= fabs(value_at_one);
+}
+
+// out = mean, variance, mean of |f|, Hardy-Krause variation; NaN where the integrand's entry has no formula.
 __kernel void exact_values(__global const double *values, uint d, __global double *out) {
   const params q = load_params(values);
-  out[0] = out[1] = out[2] = NAN;
+  out[0] = out[1] = out[2] = out[3] = NAN;
 #ifdef KOKSMA_EXACT_MEAN
   out[0] = exact_mean(q, d);
 #endif
@@ -33,6 +42,9 @@ __kernel void exact_values(__global const double *values, uint d, __global doubl
 #endif
 #ifdef KOKSMA_EXACT_MEAN_ABS
   out[2] = exact_mean_abs(q, d);
+#endif
+#ifdef KOKSMA_EXACT_VARIATION
+  out[3] = exact_variation(q, d);
 #endif
 }
 

@@ -11,7 +11,7 @@ packages=(
   # OpenCL: PoCL as the device, the loader, the headers
   pocl-opencl-icd ocl-icd-opencl-dev opencl-headers opencl-clhpp-headers
   # libraries of the host program and its tests
-  nlohmann-json3-dev libcli11-dev libfmt-dev libvalijson-dev libboost-dev librandom123-dev
+  nlohmann-json3-dev libcli11-dev libfmt-dev libvalijson-dev libboost-dev librandom123-dev libstb-dev
   catch2 libbenchmark-dev
 )
 lint_packages=(clang clang-tidy clang-format libclang-rt-14-dev)

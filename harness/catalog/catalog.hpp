@@ -88,6 +88,7 @@ struct Integrand {
   std::uint32_t min_dim = 1, max_dim = 1, default_dim = 1;
   std::vector<std::string> coefficients, transforms;
   ExactSource mean, variance, mean_abs;
+  ExactSource variation;                         // of Hardy and Krause, anchored at 1
   std::map<std::string, ExpectedRate> expected;  // by sampler rate class
   Json checks, sample_checks;
   bool users_own = false;  // given on the command line: no test of the project has seen it

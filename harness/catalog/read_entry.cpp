@@ -135,6 +135,7 @@ Integrand read_integrand(const Json& entry, const Json& classes, std::string_vie
   f.mean = read_exact(entry["exact"], "mean");
   f.variance = read_exact(entry["exact"], "variance");
   f.mean_abs = read_exact(entry["exact"], "mean_abs");
+  f.variation = read_exact(entry["exact"], "variation");
   f.checks = entry.value("checks", Json::array());
   f.sample_checks = entry.value("sample_checks", Json::array());
   f.code = std::move(code);

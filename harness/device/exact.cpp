@@ -50,10 +50,10 @@ const Json* matching_check(const Integrand& integrand, const Scene& scene) {
 
 ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene) {
   ExactValues result;
-  std::array<double, 3> out{};
-  const bool computes = integrand.mean.kind == Kind::formula ||
-                        integrand.variance.kind == Kind::formula ||
-                        integrand.mean_abs.kind == Kind::formula;
+  std::array<double, 4> out{};
+  const bool computes =
+      integrand.mean.kind == Kind::formula || integrand.variance.kind == Kind::formula ||
+      integrand.mean_abs.kind == Kind::formula || integrand.variation.kind == Kind::formula;
   if (computes || !integrand.coefficients.empty()) {
     const BuiltProgram built = device.build(exact_program(integrand));
     checked([&] {
@@ -85,6 +85,8 @@ ExactValues compute_exact(Device& device, const Integrand& integrand, const Scen
   result.mean = resolve(integrand.mean, out[0], std::nullopt, integrand, scene, "mean");
   result.variance = resolve(integrand.variance, out[1], std::nullopt, integrand, scene, "variance");
   result.mean_abs = resolve(integrand.mean_abs, out[2], result.mean, integrand, scene, "mean_abs");
+  result.variation =
+      resolve(integrand.variation, out[3], std::nullopt, integrand, scene, "variation");
   return result;
 }
 

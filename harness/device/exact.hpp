@@ -14,6 +14,7 @@ const Json* matching_check(const Integrand& integrand, const Scene& scene);
 
 struct ExactValues {
   std::optional<double> mean, variance, mean_abs;
+  std::optional<double> variation;   // of Hardy and Krause, anchored at 1
   std::vector<double> coefficients;  // [dimension][coefficient]
 };
 

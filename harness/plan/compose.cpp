@@ -110,12 +110,24 @@ ProgramSource exact_program(const Integrand& integrand) {
   if (integrand.mean.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN 1\n";
   if (integrand.variance.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIANCE 1\n";
   if (integrand.mean_abs.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN_ABS 1\n";
+  if (integrand.variation.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIATION 1\n";
   if (!integrand.coefficients.empty())
     text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", integrand.coefficients.size());
   text += params_source(integrand, "double");
   append_piece(text, integrand.code);
   append_embedded(text, "kernels/exact.cl");
   return {fmt::format("the exact values of {}", integrand.name), std::move(text), kOptions};
+}
+
+ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchShape& shape) {
+  // The dimension is an argument of these kernels; the prelude asks for one and only unrolls by it.
+  std::string text = fmt::format(
+      "#define KOKSMA_LANES_PER_ITEM {}\n#define KOKSMA_FP64 {}\n#define KOKSMA_DIM 1\n"
+      "#define KOKSMA_CENTRED 0\n#define KOKSMA_LOCAL_SIZE {}\n",
+      shape.lanes_per_item, fp64 ? 1 : 0, shape.local_size);
+  append_embedded(text, "kernels/prelude.cl");
+  append_embedded(text, fmt::format("kernels/quality/{}.cl", piece).c_str());
+  return {fmt::format("the quality kernels of {}.cl", piece), std::move(text), kOptions};
 }
 
 }  // namespace koksma

@@ -90,6 +90,10 @@ ProgramSource inspect_program(const Catalog& catalog, const Plan& plan, bool wit
 // Exact values and coefficient set-up of an integrand, for a CPU device with fp64.
 ProgramSource exact_program(const Integrand& integrand);
 
+// kernels/quality/<piece>.cl behind the prelude, for points of any dimension; `shape` gives the
+// lanes per work-item and the local size.
+ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchShape& shape);
+
 // The point table in the words of the plan's precision, as bytes ready to upload (at least one
 // word). Of sets that are not extensible it is that of the set of n points; 0: the plan's largest.
 // `prepared`: what the plan's preparation computed, where it has one; device/prepare.hpp runs it

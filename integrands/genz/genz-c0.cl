@@ -59,6 +59,19 @@ static double exact_variance(params q, uint d) {
   const double mean = exact_mean(q, d);
   return mean * mean * excess;
 }
+
+static void add_variation_factor(double value_at_one, double total_variation, double *variation,
+                                 double *at_one);  // exact.cl
+
+// A factor rises to 1 at u and falls again.
+static double exact_variation(params q, uint d) {
+  double variation = 0, at_one = 1;
+  for (uint j = 0; j < d; ++j) {
+    const double below = a_of(q, d, j) * u_of(j), above = a_of(q, d, j) * (1 - u_of(j));
+    add_variation_factor(exp(-above), -expm1(-below) - expm1(-above), &variation, &at_one);
+  }
+  return variation;
+}
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real sum = R(0.0);

@@ -49,6 +49,20 @@ static double exact_variance(params q, uint d) {
   const double mean = exact_mean(q, d);
   return mean * mean * excess;
 }
+
+static void add_variation_factor(double value_at_one, double total_variation, double *variation,
+                                 double *at_one);  // exact.cl
+
+// A factor rises to exp(a u) and, where it is cut before 1, falls to 0.
+static double exact_variation(params q, uint d) {
+  double variation = 0, at_one = 1;
+  for (uint j = 0; j < d; ++j) {
+    const double u = end_of(q, j), rise = expm1(a_of(q, d, j) * u);
+    const double jump = u < 1 ? 1 + rise : 0;
+    add_variation_factor(1 + rise - jump, rise + jump, &variation, &at_one);
+  }
+  return variation;
+}
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real x = points_next(p);

@@ -59,6 +59,21 @@ static double exact_variance(params q, uint d) {
   const double mean = exact_mean(q, d);
   return mean * mean * excess;
 }
+
+static void add_variation_factor(double value_at_one, double total_variation, double *variation,
+                                 double *at_one);  // exact.cl
+
+// A factor rises to 1 at u and falls again.
+static double exact_variation(params q, uint d) {
+  double variation = 0, at_one = 1;
+  for (uint j = 0; j < d; ++j) {
+    double below = a_of(q, d, j) * u_of(j), above = a_of(q, d, j) * (1 - u_of(j));
+    below *= below;
+    above *= above;
+    add_variation_factor(1 / (1 + above), below / (1 + below) + above / (1 + above), &variation, &at_one);
+  }
+  return variation;
+}
 #else
 // One division for the whole product: at h <= 100 the denominators stay below 1e36.
 static inline real integrand(points *p, params q, coefficients c) {

@@ -17,6 +17,18 @@ static double exact_variance(params q, uint d) {
   }
   return variance;
 }
+
+static void add_variation_factor(double value_at_one, double total_variation, double *variation,
+                                 double *at_one);  // exact.cl
+
+static double exact_variation(params q, uint d) {
+  double variation = 0, at_one = 1;
+  for (uint j = 0; j < d; ++j) {
+    const double g = gamma_of(q, j);
+    add_variation_factor(1 + g / 2, fabs(g), &variation, &at_one);
+  }
+  return variation;
+}
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real product = R(1.0);

@@ -32,6 +32,20 @@ static double exact_mean_abs(params q, uint d) {
   }
   return product;
 }
+
+static void add_variation_factor(double value_at_one, double total_variation, double *variation,
+                                 double *at_one);  // exact.cl
+
+// A factor falls from (2 + a) / (1 + a) by 2 / (1 + a) and rises again.
+static double exact_variation(params q, uint d) {
+  if (!(a_of(q, 0) > -1)) return NAN;
+  double variation = 0, at_one = 1;
+  for (uint j = 0; j < d; ++j) {
+    const double a = a_of(q, j);
+    add_variation_factor((2 + a) / (1 + a), 4 / (1 + a), &variation, &at_one);
+  }
+  return variation;
+}
 #else
 static inline real integrand(points *p, params q, coefficients c) {
   real product = R(1.0);
