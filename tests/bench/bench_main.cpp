@@ -3,6 +3,7 @@
 // precision, speed/<sampler> for every sampler of the catalog beside plain Sobol', points_npy,
 // memory_flat.
 // --benchmark_filter=REGEX selects.
+// prepare times point sets that the device builds.
 //
 // The exit status is 1 when a row fails, a row's `ratio` is below its `required`, or its
 // `growth_mb` not below its `limit_mb`.
@@ -20,6 +21,7 @@
 #include <fstream>
 
 #include "avx2_limit.hpp"
+#include "device/prepare.hpp"
 #include "error/error.hpp"
 #include "rounds.hpp"
 #include "speed_table.hpp"
@@ -218,6 +220,39 @@ void points_npy(State& state, const std::string& sampler, double limit_s) {
   });
 }
 
+// Preparing a point set on the device, as a first run does: nothing cached, the program's build
+// included; then the same again from the disk. The least of three must stay below limit_s.
+void prepare_set(State& state, const std::string& sampler, std::uint64_t n, double limit_s) {
+  guarded(state, [&] {
+    const std::string folder = fmt::format(
+        "{}/koksma-bench-{}", std::filesystem::temp_directory_path().string(), getpid());
+    setenv("XDG_CACHE_HOME", folder.c_str(), 1);
+    double built = INFINITY, read = INFINITY;
+    const auto seconds = [&] {
+      Device fresh = Device::choose("");
+      const Plan plan =
+          make_points_plan(catalog(), sampler, 2, Precision::fp64, n, 1, 1, fresh.facts());
+      const auto start = std::chrono::steady_clock::now();
+      point_table(fresh, plan);
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    for (auto _ : state) {
+      for (int run = 0; run < 3; ++run) {
+        std::filesystem::remove_all(folder);
+        built = std::min(built, seconds());
+        read = std::min(read, seconds());
+      }
+      state.SetIterationTime(built);
+    }
+    std::filesystem::remove_all(folder);
+    state.counters["seconds"] = built;
+    state.counters["limit_s"] = limit_s;
+    state.counters["cached_s"] = read;
+    if (built >= limit_s)
+      missed().push_back(fmt::format("prepare {}: {:.2f} s >= {} s", sampler, built, limit_s));
+  });
+}
+
 void register_rows() {
   struct Requirement {
     Precision precision;
@@ -241,6 +276,11 @@ void register_rows() {
   for (const char* sampler : {"sobol", "sobol-owen", "random"})
     timed(benchmark::RegisterBenchmark(fmt::format("points_npy/{}/fp64/d:8", sampler).c_str(),
                                        points_npy, std::string(sampler), 1.0))
+        ->Iterations(1);
+  for (const char* sampler : {"best-candidate", "poisson-parallel"})
+    timed(benchmark::RegisterBenchmark(fmt::format("prepare/{}/n:4096", sampler).c_str(),
+                                       prepare_set, std::string(sampler), std::uint64_t{4096},
+                                       10.0))
         ->Iterations(1);
   register_speed_table(missed());
 }
