@@ -226,6 +226,8 @@ void prepare_set(State& state, const std::string& sampler, std::uint64_t n, doub
   guarded(state, [&] {
     const std::string folder = fmt::format(
         "{}/koksma-bench-{}", std::filesystem::temp_directory_path().string(), getpid());
+    const char* earlier = std::getenv("XDG_CACHE_HOME");
+    const std::string before = earlier == nullptr ? "" : earlier;
     setenv("XDG_CACHE_HOME", folder.c_str(), 1);
     double built = INFINITY, read = INFINITY;
     const auto seconds = [&] {
@@ -245,6 +247,7 @@ void prepare_set(State& state, const std::string& sampler, std::uint64_t n, doub
       state.SetIterationTime(built);
     }
     std::filesystem::remove_all(folder);
+    before.empty() ? unsetenv("XDG_CACHE_HOME") : setenv("XDG_CACHE_HOME", before.c_str(), 1);
     state.counters["seconds"] = built;
     state.counters["limit_s"] = limit_s;
     state.counters["cached_s"] = read;
