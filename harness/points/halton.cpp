@@ -152,7 +152,7 @@ void append_replicates(std::vector<std::uint64_t>& words, const PointRequest& re
       const std::uint32_t levels = levels_of(power.size, request.end_index);
       const std::uint64_t head[] = {power.size, words.size() - start, levels};
       std::copy(std::begin(head), std::end(head),
-                words.begin() + static_cast<std::ptrdiff_t>(heads + j * kHeadWords));
+                words.begin() + static_cast<std::ptrdiff_t>(heads + std::size_t{j} * kHeadWords));
       // Folded zeros go on for ever: 80 digits more are below 2^-52 by any margin.
       const Digits digits =
           permuted ? permuted_digits(request, bases[j], r, j)

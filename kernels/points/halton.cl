@@ -190,14 +190,15 @@ static inline void points_step(points *p) {
 #else
 typedef struct {
   __global const word *low[KOKSMA_DIM];  // T
-  word now[KOKSMA_DIM], next[KOKSMA_DIM];  // the words of q and q + 1
+  __global const word *at[KOKSMA_DIM];   // T at r, that of the first lane
+  word next[KOKSMA_DIM], now_less_next[KOKSMA_DIM];  // from the words of q and q + 1
 #if KOKSMA_HALTON_BASES > KOKSMA_HALTON_NARROW
-  word now_rest[KOKSMA_DIM], next_rest[KOKSMA_DIM];  // their remainders
+  word next_rest[KOKSMA_DIM], now_less_next_rest[KOKSMA_DIM];  // and their remainders
 #endif
   word upper[KOKSMA_DIM];  // P of the digits from level 3 on, of q + 1
   uint size[KOKSMA_DIM];   // B
   uint levels[KOKSMA_DIM];
-  uint r[KOKSMA_DIM];      // of the first lane
+  word left[KOKSMA_DIM];   // B - r
   uint second[KOKSMA_DIM];  // level 2's digit of q + 1
   ulong index;
   uint dim;
@@ -242,30 +243,25 @@ static inline void split_digits(points *p, uint d, ulong q) {
   p->second[d] = digits[2];
 }
 
-// The word of the q whose digits are split, as `next`.
+// `next` becomes the word of the q whose digits are split.
 static inline void make_next(points *p, uint d) {
   const word size = p->size[d];
   const word inverse = radical_step(level_table(p, d, 2)[p->second[d]], p->upper[d], size);
   const word quotient = inverse / size, rest = inverse - quotient * size;
+  word next = quotient << KOKSMA_HALTON_SPARE;
 #if KOKSMA_HALTON_BASES > KOKSMA_HALTON_NARROW
-  p->next[d] = quotient << KOKSMA_HALTON_SPARE;
+  p->now_less_next_rest[d] = p->next_rest[d] - rest;
   p->next_rest[d] = rest;
-  if (d < KOKSMA_HALTON_NARROW) p->next[d] |= rest;
+  if (d < KOKSMA_HALTON_NARROW) next |= rest;
 #else
-  p->next[d] = quotient << KOKSMA_HALTON_SPARE | rest;
+  next |= rest;
 #endif
-}
-
-static inline void shift_next(points *p, uint d) {
-  p->now[d] = p->next[d];
-#if KOKSMA_HALTON_BASES > KOKSMA_HALTON_NARROW
-  p->now_rest[d] = p->next_rest[d];
-#endif
+  p->now_less_next[d] = p->next[d] - next;
+  p->next[d] = next;
 }
 
 // q, that of the first lane, is now what was next.
 static inline void advance(points *p, uint d) {
-  shift_next(p, d);
   if (++p->second[d] == p->size[d]) split_digits(p, d, p->index / p->size[d] + 1);
   make_next(p, d);
 }
@@ -283,7 +279,12 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
     p->size[d] = size;
     p->low[d] = own + heads[4 * d + 1] + 1;
     p->levels[d] = (uint)heads[4 * d + 2];
-    p->r[d] = (uint)(p->index - q * size);
+    p->left[d] = (word)(size - (p->index - q * size));
+    p->at[d] = p->low[d] + (size - p->left[d]);
+    p->next[d] = 0;
+#if KOKSMA_HALTON_BASES > KOKSMA_HALTON_NARROW
+    p->next_rest[d] = 0;
+#endif
     split_digits(p, d, q);
     make_next(p, d);
     advance(p, d);
@@ -299,15 +300,17 @@ static inline real points_next(points *p) {
   if (d == 0) return rows_coordinate(&p->rows);
   --d;
 #endif
-  const uint r = p->r[d];
   // All ones in the lanes before the wrap.
-  const bits lanes = KOKSMA_TO_BITS(lane_numbers());
-  const bits before = KOKSMA_AS_BITS(KOKSMA_AS_SIGNED(lanes - (word)(p->size[d] - r)) >> (KOKSMA_SIGNED)(8 * sizeof(word) - 1));
-  bits w = load_lanes(p->low[d] + r) + (word)p->next[d] + (before & (word)(p->now[d] - p->next[d]));
+#if KOKSMA_LANES_PER_ITEM == 1
+  const bits before = 0 - (word)(p->left[d] > 0);
+#else
+  const bits before = KOKSMA_AS_BITS(KOKSMA_TO_BITS(lane_numbers()) < p->left[d]);
+#endif
+  bits w = load_lanes(p->at[d]) + p->next[d] + (before & p->now_less_next[d]);
 #if KOKSMA_HALTON_BASES > KOKSMA_HALTON_NARROW
   if (d >= KOKSMA_HALTON_NARROW) {
-    const bits rest = load_lanes(p->low[d] + p->size[d] + KOKSMA_LANES - 1 + r) + (word)p->next_rest[d] +
-                      (before & (word)(p->now_rest[d] - p->next_rest[d]));
+    const bits rest =
+        load_lanes(p->at[d] + p->size[d] + KOKSMA_LANES - 1) + p->next_rest[d] + (before & p->now_less_next_rest[d]);
     w += rest >> (word)KOKSMA_HALTON_REMAINDER_BITS << (word)KOKSMA_HALTON_SPARE;
   }
 #endif
@@ -319,9 +322,12 @@ static inline void points_step(points *p) {
   p->dim = 0;
   KOKSMA_UNROLL
   for (uint d = 0; d < KOKSMA_HALTON_BASES; ++d) {
-    p->r[d] += KOKSMA_LANES;
-    if (p->r[d] >= p->size[d]) {
-      p->r[d] -= p->size[d];
+    p->at[d] += KOKSMA_LANES;
+    if (p->left[d] > KOKSMA_LANES) {
+      p->left[d] -= KOKSMA_LANES;
+    } else {
+      p->left[d] += p->size[d] - KOKSMA_LANES;
+      p->at[d] -= p->size[d];
       advance(p, d);
     }
   }
