@@ -134,8 +134,10 @@ TEST_CASE("the embedded catalog loads, and every entry has its code", "[unit]") 
   }
 }
 
-TEST_CASE("every .cl of integrands/, sums/, transforms/ and points/ belongs to an entry",
-          "[unit]") {
+TEST_CASE(
+    "every .cl of integrands/, sums/, transforms/ and points/ belongs to an entry, and those of "
+    "quality/ are asked for",
+    "[unit]") {
   std::set<std::string> owned;
   const auto own = [&](const auto& entries) {
     for (const auto& e : entries) owned.insert(e.code.path);
@@ -148,6 +150,9 @@ TEST_CASE("every .cl of integrands/, sums/, transforms/ and points/ belongs to a
   own(test::catalog().transforms);
   own(test::catalog().filters);
   own(test::catalog().sums);
+  for (const auto& file : fs::directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / "harness/quality"))
+    for (const std::string& literal : string_literals(read_text_file(file.path().string())))
+      owned.insert("kernels/quality/" + literal + ".cl");
   for (const EmbeddedFile& file : embedded_files()) {
     if (!file.path.ends_with(".cl") ||
         (file.path.starts_with("kernels/") && file.path.find('/', 8) == std::string_view::npos))
