@@ -18,24 +18,9 @@ struct Pairing {
   std::string integrand, sampler, sum;
 };
 
-// One sampler for each text of the points' kernel.
-std::vector<Sampler> kernels_of_samplers() {
-  std::vector<Sampler> result;
-  std::set<std::string> seen;
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!test::complete(s)) continue;
-    const std::uint32_t dim = test::usual_dim(s);
-    const Plan plan =
-        make_points_plan(test::catalog(), s.name, dim, Precision::fp64,
-                         test::admitted_size(s, dim, 256), 1, 1, test::device().facts());
-    if (seen.insert(plan.program.text).second) result.push_back(s);
-  }
-  return result;
-}
-
 std::vector<Pairing> pairings() {
   const Catalog& catalog = test::catalog();
-  const std::vector<Sampler> samplers = kernels_of_samplers();
+  const std::vector<Sampler> samplers = test::samplers_by_kernel();
   const std::size_t count =
       std::max({catalog.integrands.size(), samplers.size(), catalog.sums.size()});
   std::vector<Pairing> result;

@@ -166,16 +166,9 @@ TEST_CASE("fp32 draws the points of fp64 at 23 bits", "[device]") {
 }
 
 TEST_CASE("coordinates are the same bits for 1, 4, 8 and 16 lanes per work-item", "[device]") {
-  // One sampler for each kernel: others of the same text differ by their tables only. Sums at every
-  // width in both precisions are compared in pieces_test.cpp.
-  std::set<std::string> seen;
-  for (const Sampler& s : test::catalog().samplers) {
-    if (!test::complete(s)) continue;
+  // Sums at every width in both precisions are compared in pieces_test.cpp.
+  for (const Sampler& s : test::samplers_by_kernel()) {
     const std::uint32_t dim = test::usual_dim(s);
-    const Plan plan =
-        make_points_plan(test::catalog(), s.name, dim, Precision::fp64,
-                         test::admitted_size(s, dim, 512), 1, 1, test::device().facts());
-    if (!seen.insert(plan.program.text).second) continue;
     const auto wide = points({.sampler = s.name, .dim = dim, .count = 512});
     for (const std::uint32_t lanes : {1U, 4U, 8U}) {
       INFO(s.name << " lanes " << lanes);

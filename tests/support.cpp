@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <stdexcept>
 
 #include "catalog/sizes.hpp"
@@ -59,6 +60,19 @@ std::vector<std::uint32_t> some_replicates(const Sampler& sampler) {
 
 std::uint32_t usual_dim(const Sampler& sampler) {
   return std::clamp(5U, sampler.min_dim, sampler.max_dim);
+}
+
+std::vector<Sampler> samplers_by_kernel() {
+  std::vector<Sampler> result;
+  std::set<std::string> seen;
+  for (const Sampler& s : catalog().samplers) {
+    if (!complete(s)) continue;
+    const std::uint32_t dim = usual_dim(s);
+    const Plan plan = make_points_plan(catalog(), s.name, dim, Precision::fp64,
+                                       admitted_size(s, dim, 256), 1, 1, device().facts());
+    if (seen.insert(plan.program.text).second) result.push_back(s);
+  }
+  return result;
 }
 
 std::uint64_t grid_size(const Sampler& sampler, std::uint32_t dim) {

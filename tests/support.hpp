@@ -44,6 +44,8 @@ std::vector<std::uint32_t> some_replicates(const Sampler& sampler);
 // The dimension of tests that need none in particular, so that they share programs: 5, or the
 // nearest there is.
 std::uint32_t usual_dim(const Sampler& sampler);
+// One sampler for each kernel of points: others of the same text differ by their tables only.
+std::vector<Sampler> samplers_by_kernel();
 // A size near 2^14 at which all coordinates lie on the binary grid: whole powers of two, also per
 // dimension.
 std::uint64_t grid_size(const Sampler& sampler, std::uint32_t dim);
