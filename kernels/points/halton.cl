@@ -102,9 +102,15 @@ static inline words64 walk(const points *p, uint d, words64 value, words64 u, ul
   if (packed) shuffle += stride;
   words64 zero = u & KOKSMA_HALTON_DIGIT;
   for (bool first = true;; first = false) {
-    const ulong rest = q / base;
-    const uint a = (uint)(q - rest * base);
-    q = rest;
+    // Most walks end with this digit, without a division.
+    uint a = (uint)q;
+    if (q < base) {
+      q = 0;
+    } else {
+      const ulong rest = q / base;
+      a = (uint)(q - rest * base);
+      q = rest;
+    }
     ++weights;
     if (a == 0) {
       value += zero * weights[0];
