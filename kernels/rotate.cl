@@ -3,6 +3,7 @@
 // the family's slots to unrotated_*.
 // x = k 2^-m and 1 - u, u = (j + 1/2) 2^-m, are multiples of 2^-(m+1) below 1 in size, and so are their difference
 // and that plus 1: nothing rounds, and the coordinate is (l + 1/2) 2^-m in (0,1).
+// In fp32 point and shift are cut to 23 bits each, so that a coordinate may be one unit of 2^-23 below fp64's.
 // Table: [0] where the family's table begins; then the bits of 1 - u [D] per replicate.
 #undef points
 #undef points_seek

@@ -166,3 +166,14 @@ TEST_CASE("run and points take the user's file, and stop before any work where i
   CHECK(dumped.status == 0);
   CHECK(read_text_file(folder.path("p.csv")) == "0.125,0.25\n0.5,0.75\n");
 }
+
+TEST_CASE("plus signs and a byte order mark do not turn the first point into a heading", "[unit]") {
+  const koksma::test::TemporaryFolder folder;
+  for (const char* text : {"+0.125,+0.25\n0.5,0.75\n",
+                           "\xEF\xBB\xBF"
+                           "0.125,0.25\n0.5,0.75\n"}) {
+    const PointFile file = read_point_file(folder.write("points.csv", text));
+    CHECK(file.rows == 2);
+    CHECK(file.values == std::vector<double>{0.125, 0.25, 0.5, 0.75});
+  }
+}

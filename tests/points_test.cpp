@@ -237,7 +237,8 @@ TEST_CASE("a lattice's first 2^k points are the multiples of one point, in Gray 
       std::vector<std::uint64_t> z;
       for (std::uint32_t j = 0; j < dim; ++j) {
         const double step = drawn[4095 * dim + j] - drawn[j];
-        z.push_back(static_cast<std::uint64_t>(std::ldexp(step - std::floor(step), 12) + 0.5));
+        z.push_back(
+            static_cast<std::uint64_t>(std::llround(std::ldexp(step - std::floor(step), 12))));
       }
       if (s.options["vector"] != "drawn") {
         const Json vector =

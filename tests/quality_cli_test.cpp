@@ -97,7 +97,7 @@ TEST_CASE("replicates that are shifts of one set are not said to be averaged", "
   const std::string lattice = "--sampler lattice-shift --dim 2 --n 64 --replicates 4";
   CHECK(quality_of(lattice)["averages"]["power_spectrum"]["value"]["distinct_sets"] == 1);
   CHECK_THAT(run_command("quality " + lattice).output,
-             Contains("power spectrum: 1 distinct, the other sets are shifts of the first"));
+             Contains("power spectrum: 1 distinct, the other sets are shifts of these"));
 }
 
 TEST_CASE("a scene gets variation times star discrepancy, above its error", "[device]") {
@@ -190,4 +190,14 @@ TEST_CASE("what is asked for wrongly is refused with what is allowed", "[unit]")
   check_refused("--sampler sobol --dim 2", {"--n", "required"});
   check_refused("--sampler sobol --dim 2 --n 16 --pictrue q.png", {"did you mean '--picture'?"});
   CHECK(run_command("quality --help").status == 0);
+}
+
+TEST_CASE("quality refuses averages outside the plane and more coordinates than it can hold",
+          "[device]") {
+  const auto replicates = run_command("quality --sampler sobol-owen --dim 3 --n 64 --replicates 4");
+  CHECK(replicates.status == 2);
+  CHECK_THAT(replicates.output, Contains("--replicates: 4; d = 3: only in the plane"));
+  const auto size = run_command("quality --sampler random --dim 2 --n 2^26");
+  CHECK(size.status == 2);
+  CHECK_THAT(size.output, Contains("16 sets; at most 268435456 coordinates in all"));
 }

@@ -97,8 +97,9 @@ TEST_CASE("nested scrambling is at most at rate -1.25 on smooth scenes at d = 2 
           "[statistical]") {
   // Measured -1.31 to -1.44 over 2^8 ... 2^16; the standard deviation of a slope is 0.03.
   for (const char* sampler : {"sobol-owen", "niederreiter-owen"}) {
-    for (const char* scene : {"genz-oscillatory:d=2", "genz-oscillatory:d=3", "linear-prod:d=2",
-                              "linear-prod:d=3", "x2-1mx2:d=2"}) {
+    for (const char* scene :
+         {"genz-oscillatory:d=2", "genz-oscillatory:d=3", "genz-gaussian:d=2", "genz-gaussian:d=3",
+          "genz-corner-peak:d=2", "linear-prod:d=2", "linear-prod:d=3", "x2-1mx2:d=2"}) {
       const CellResult result = run(scene, sampler, "2^8..2^16", 32);
       INFO(sampler << " " << scene << ": slope " << *result.rate.slope);
       CHECK(*result.rate.slope <= -1.25);

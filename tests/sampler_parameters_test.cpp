@@ -54,6 +54,25 @@ TEST_CASE(
   CHECK(rotated >= 3);
 }
 
+TEST_CASE("rotated points in fp32 are those of fp64 within one unit of 2^-23", "[device]") {
+  for (const Sampler& s : test::catalog().samplers) {
+    if (!rotates(s) || s.precisions.size() < 2) continue;
+    const std::uint32_t dim = std::min(3U, s.max_dim);
+    const std::uint64_t n = test::grid_size(s, dim);
+    const std::string name = s.name + ":randomize=rotate";
+    const auto fine = test::points({.sampler = name, .dim = dim, .count = n, .n = n});
+    const auto coarse = test::points(
+        {.sampler = name, .dim = dim, .precision = Precision::fp32, .count = n, .n = n});
+    for (std::size_t i = 0; i < fine.size(); ++i) {
+      const double units =
+          std::floor(std::ldexp(fine[i], 23)) - std::floor(std::ldexp(coarse[i], 23));
+      INFO(s.name << " value " << i);
+      // One unit below 0 is the largest coordinate.
+      REQUIRE((units == 0 || units == 1 || units == 1 - 0x1p23));
+    }
+  }
+}
+
 TEST_CASE("a rotated lattice is the shifted lattice: the rotation adds nothing of its own",
           "[unit]") {
   for (const Sampler& s : test::catalog().samplers) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "error/error.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
@@ -178,6 +179,31 @@ TEST_CASE("coordinates are the same bits for 1, 4, 8 and 16 lanes per work-item"
   }
 }
 
+TEST_CASE("the last points of the largest set lie in the declared range and on the declared grid",
+          "[device]") {
+  for (const Sampler& s : test::catalog().samplers) {
+    if (!test::complete(s) || !s.extensible) continue;
+    const std::uint32_t dim = test::usual_dim(s);
+    for (const Precision precision : test::precisions(s)) {
+      const unsigned bits = precision == Precision::fp32 ? 23 : 52;
+      // Deterministic points are refused where the precision can not tell them apart.
+      const unsigned log2_n = s.centred ? s.max_log2_n : std::min(s.max_log2_n, bits);
+      const std::uint64_t end = std::uint64_t{1} << log2_n;
+      const std::uint64_t count = std::min<std::uint64_t>(end, 1 << 12);
+      for (const double x : points({.sampler = s.name,
+                            .dim = dim,
+                            .precision = precision,
+                            .start = end - count,
+                            .count = count})) {
+        const double units = std::ldexp(x, static_cast<int>(bits)) - (s.centred ? 0.5 : 0.0);
+        INFO(s.name << " " << precision_name(precision) << " x = " << x);
+        REQUIRE((x < 1 && (s.centred ? x > 0 : x >= 0)));
+        REQUIRE((bits == 52 || units == std::floor(units)));
+      }
+    }
+  }
+}
+
 TEST_CASE("coordinates lie in the declared range and on the declared grid", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     if (!test::complete(s)) continue;
@@ -194,4 +220,31 @@ TEST_CASE("coordinates lie in the declared range and on the declared grid", "[de
       }
     }
   }
+}
+
+TEST_CASE("tables too large for their replicates are refused before they are built", "[device]") {
+  DeviceFacts small = test::device().facts();
+  small.max_allocation = 1 << 20;
+  std::size_t refused = 0;
+  for (const Sampler& s : test::catalog().samplers) {
+    if (!s.replicable || !test::complete(s) || find_table_builder(s.family) == nullptr) continue;
+    const std::uint32_t dim = test::usual_dim(s), most = 65536;
+    const Plan plan = make_points_plan(test::catalog(), s.name, dim, Precision::fp64,
+                                       test::admitted_size(s, dim, 1024), most, 1, small);
+    // 65536 replicates of one word are half a MiB: which tables they fit is told at once.
+    if (plan.preparation) continue;
+    const PointTable one = [&] {
+      PointRequest request = plan.request;
+      request.replicates = 2;
+      return find_table_builder(s.family)(request);
+    }();
+    PointRequest single = plan.request;
+    single.replicates = 1;
+    const std::size_t each = one.words.size() - find_table_builder(s.family)(single).words.size();
+    INFO(s.name << ": " << each << " words per replicate");
+    if (each * most * 8 <= small.max_allocation) continue;
+    ++refused;
+    CHECK_THROWS_AS(build_point_table(plan), UnsupportedError);
+  }
+  CHECK(refused > 5);
 }

@@ -67,7 +67,8 @@ void check(const PointsOptions& options, const Sampler& sampler, std::uint64_t c
     throw InputError("--n, --start",
                      fmt::format("points {} to {}", options.start, options.start + count - 1),
                      fmt::format("sampler '{}' has 2^{} points", sampler.name, sampler.max_log2_n));
-  if (!sampler.extensible) check_size(sampler, options.dim, count, "--n");
+  // From --start on it is a piece of a set, and may have any length.
+  if (options.start == 0 || !sampler.extensible) check_size(sampler, options.dim, count, "--n");
   if (!sampler.extensible && options.start >= count)
     throw InputError(
         "--start", fmt::format("{}", options.start),

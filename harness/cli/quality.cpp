@@ -40,9 +40,6 @@ std::uint64_t checked_size(const QualityOptions& options, const Sampler& sampler
     throw InputError("--n", fmt::format("{}", n),
                      fmt::format("sampler '{}' has 2^{} points", sampler.name, sampler.max_log2_n));
   check_size(sampler, options.dim, n, "--n");
-  if (n > kMostCoordinates / options.dim)
-    throw InputError("--n, --dim", fmt::format("{} points in {} dimensions", n, options.dim),
-                     fmt::format("at most {} coordinates", kMostCoordinates));
   return n;
 }
 
@@ -50,6 +47,9 @@ std::uint32_t checked_replicates(const QualityOptions& options, const Sampler& s
   if (options.replicates.value_or(1) > 1 && !sampler.replicable)
     throw InputError("--replicates", fmt::format("{}", *options.replicates),
                      fmt::format("sampler '{}' is not randomized: only 1", sampler.name));
+  if (options.replicates.value_or(1) > 1 && options.dim != 2)
+    throw InputError("--replicates", fmt::format("{}", *options.replicates),
+                     fmt::format("d = {}: only in the plane are there averages", options.dim));
   // Only planar points have spectra to average, and moving a set about leaves them as they are.
   const bool averages = sampler.replicable && !sampler.rotated && options.dim == 2;
   return options.replicates.value_or(averages ? kDefaultReplicates : 1);
@@ -83,6 +83,11 @@ CheckedRequest check(const QualityOptions& options, const Catalog& catalog,
   request.dim = options.dim;
   request.n = checked_size(options, sampler);
   request.replicates = checked_replicates(options, sampler);
+  if (request.n > kMostCoordinates / options.dim / request.replicates)
+    throw InputError("--n, --dim, --replicates",
+                     fmt::format("{} points in {} dimensions, {} sets", request.n, options.dim,
+                                 request.replicates),
+                     fmt::format("at most {} coordinates in all", kMostCoordinates));
   request.seed = options.seed;
   request.directions = options.directions;
   request.command = command_line;

@@ -1,5 +1,7 @@
 #include "device/points_dump.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "device/prepare.hpp"
@@ -20,6 +22,9 @@ PointsDump::PointsDump(Device& device, const Plan& plan) : device_(device), plan
 
 std::vector<double> PointsDump::read(std::uint64_t start, std::uint64_t count, std::uint64_t n,
                                      std::uint32_t replicate, std::uint32_t log2_block) {
+  // Blocks no longer than the set: tables reach as far as its indices do.
+  log2_block =
+      std::min(log2_block, std::max(static_cast<std::uint32_t>(std::bit_width(n - 1)), 4U));
   const std::uint64_t dim = plan_.request.dim;
   const std::uint64_t first_block = start >> log2_block;
   const std::uint64_t blocks = ((start + count - 1) >> log2_block) - first_block + 1;

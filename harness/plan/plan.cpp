@@ -93,8 +93,8 @@ void note_what_is_left_out(Plan& plan) {
     note("transforms", fmt::format("'{}' asks for none", plan.integrand->name));
   if (plan.integrand->coefficients.empty())
     note("coefficient table", fmt::format("'{}' has none", plan.integrand->name));
-  note("table columns", fmt::format("indices below {} reach {} of 64", plan.request.end_index,
-                                    std::bit_width(plan.request.end_index - 1)));
+  note("indices beyond N", fmt::format("tables that grow with N reach to index {} and no further",
+                                       plan.request.end_index - 1));
   if (find_table_builder(plan.sampler->family) == nullptr)
     note("point tables", fmt::format("family '{}' computes its points", plan.sampler->family));
   if (!plan.cell.scene.dim || plan.sampler->max_dim > plan.cell.scene.dim)
@@ -178,6 +178,34 @@ Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::u
   return plan;
 }
 
+namespace {
+
+// The offsets in an fp32 table are 32-bit words themselves.
+void check_table_size(const Plan& plan, std::uint64_t words, std::uint32_t replicates) {
+  const std::size_t size = plan.fp64() ? 8 : 4;
+  const std::uint64_t most =
+      std::min<std::uint64_t>(plan.max_allocation / size, plan.fp64() ? UINT64_MAX : UINT32_MAX);
+  if (words > most)
+    throw UnsupportedError(
+        fmt::format("the point table of '{}' takes {} bytes for {} replicates, {} can be used",
+                    plan.sampler->name, words * size, replicates, most * size));
+}
+
+// Tables grow linearly with the replicates: those of one and two tell of many before any memory is
+// taken.
+constexpr std::uint32_t kManyReplicates = 64;
+void check_many_replicates(const Plan& plan, PointRequest request, PointTableBuilder build) {
+  const std::uint32_t replicates = request.replicates;
+  if (replicates < kManyReplicates) return;
+  request.replicates = 1;
+  const std::uint64_t one = build(request).words.size();
+  request.replicates = 2;
+  const std::uint64_t two = build(request).words.size();
+  check_table_size(plan, one + (two - one) * (replicates - 1), replicates);
+}
+
+}  // namespace
+
 std::vector<std::byte> build_point_table(
     const Plan& plan, std::uint64_t n, const std::shared_ptr<const std::vector<double>>& prepared) {
   const PointTableBuilder build = find_table_builder(plan.sampler->family);
@@ -187,18 +215,13 @@ std::vector<std::byte> build_point_table(
   std::vector<std::uint64_t> words;
   if (plan.sampler->rotated) words = rotation_table(request);
   if (build != nullptr) {
+    check_many_replicates(plan, request, build);
     const std::vector<std::uint64_t> points = build(request).words;
     words.insert(words.end(), points.begin(), points.end());
   }
   if (words.empty()) words.push_back(0);
+  check_table_size(plan, words.size(), request.replicates);
   const std::size_t size = plan.fp64() ? 8 : 4;
-  // The offsets in an fp32 table are 32-bit words themselves.
-  const std::uint64_t most =
-      std::min<std::uint64_t>(plan.max_allocation / size, plan.fp64() ? UINT64_MAX : UINT32_MAX);
-  if (words.size() > most)
-    throw UnsupportedError(
-        fmt::format("the point table of '{}' takes {} bytes for {} replicates, {} can be used",
-                    plan.sampler->name, words.size() * size, plan.request.replicates, most * size));
   std::vector<std::byte> bytes(words.size() * size);
   if (plan.fp64()) {
     std::memcpy(bytes.data(), words.data(), bytes.size());

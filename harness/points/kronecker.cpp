@@ -2,10 +2,10 @@
 // 64-bit fractions.
 #include "points/kronecker.hpp"
 
-#include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/cpp_int.hpp>
 
+#include "points/halton.hpp"
 #include "points/tables.hpp"
 
 namespace koksma {
@@ -13,15 +13,6 @@ namespace {
 
 constexpr std::uint32_t kHeader = 4;
 constexpr std::uint32_t kLanes = 16;
-
-std::vector<std::uint32_t> first_primes(std::uint32_t count) {
-  std::vector<std::uint32_t> primes;
-  for (std::uint32_t candidate = 2; primes.size() < count; ++candidate)
-    if (std::none_of(primes.begin(), primes.end(),
-                     [&](std::uint32_t p) { return candidate % p == 0; }))
-      primes.push_back(candidate);
-  return primes;
-}
 
 // The fractional part of sqrt(p), rounded down to 64 bits.
 std::uint64_t root_fraction(std::uint32_t p) {

@@ -105,7 +105,9 @@ std::vector<double> numbers_of(const std::string& line, std::string& wrong) {
     while (at != end && blank(*at)) ++at;
     if (at == end && !expected) return numbers;
     double x = 0;
-    const auto [rest, error] = std::from_chars(at, end, x);
+    // from_chars knows no plus sign.
+    const char* digits = at != end && *at == '+' ? at + 1 : at;
+    const auto [rest, error] = std::from_chars(digits, end, x);
     const bool ends = rest == end || blank(*rest) || separates(*rest);
     if (error != std::errc{} || !ends) {
       const char* until = std::find_if(at, end, [&](char c) { return blank(c) || separates(c); });
@@ -129,12 +131,16 @@ bool is_heading(const std::string& line) {
   std::istringstream words(rest);
   std::string ignored;
   for (std::string word; words >> word;)
-    if (!numbers_of(word, ignored).empty()) return false;
+    if (!numbers_of(word, ignored).empty() ||
+        std::string("+-.0123456789").find(word.front()) != std::string::npos)
+      return false;
   return true;
 }
 
-PointFile read_csv(const std::string& path, const std::string& text) {
+PointFile read_csv(const std::string& path, const std::string& contents) {
   PointFile file;
+  // Spreadsheets put a byte order mark before the first number.
+  const std::string text = contents.starts_with("\xEF\xBB\xBF") ? contents.substr(3) : contents;
   std::size_t number = 0;
   bool heading_may_come = true;
   for (std::size_t begin = 0; begin < text.size();) {

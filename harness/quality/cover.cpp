@@ -56,7 +56,12 @@ constexpr std::size_t kBracketsAtOnce = std::size_t{1} << 16;
 
 }  // namespace
 
+// The recursion is d deep and copies d numbers a level, and no cover of so many dimensions is
+// affordable.
+constexpr std::uint32_t kMostCoverDim = 64;
+
 std::optional<std::uint64_t> cover_size(std::uint32_t dim, double resolution, std::uint64_t most) {
+  if (dim > kMostCoverDim) return std::nullopt;
   std::uint64_t count = 0;
   Decomposition cover(resolution, true, [&](const auto&, const auto&) { return ++count <= most; });
   const bool complete = cover.cut(std::vector<double>(dim, 0.0), std::vector<double>(dim, 1.0), 0);

@@ -19,7 +19,8 @@ std::string too_much(const std::string& what, double found, double allowed) {
 
 // The reason where a computed number is none.
 Measure checked_measure(Measure measure, double value, const std::string& when_bad) {
-  if (std::isfinite(value) && value >= 0)
+  // They are all above 0 for finitely many points.
+  if (std::isnormal(value) && value > 0)
     measure.value = value;
   else
     measure.reason = when_bad;
@@ -146,10 +147,19 @@ std::vector<Measure> pair_measures(QualityKernels& kernels, const PointSet& poin
   }
   const L2Discrepancies l2 = l2_discrepancies(kernels, points);
   const double squares[5] = {l2.l2star2, l2.cd2, l2.wd2, l2.md2, l2.diaphony2};
-  for (std::size_t i = 0; i < 5; ++i)
-    all[i] = checked_measure(all[i], *all[i].squared ? squares[i] : std::sqrt(squares[i]),
-                             std::isfinite(squares[i]) ? "the square is below its rounding error"
-                                                       : "beyond the range of a double");
+  for (std::size_t i = 0; i < 5; ++i) {
+    // Sums of N numbers near 1 that cancel: in fp32 nothing below this is left of them.
+    const bool lost = !kernels.fp64() && squares[i] < 0x1p-24 * n;
+    all[i] = checked_measure(all[i],
+                             lost              ? 0
+                             : *all[i].squared ? squares[i]
+                                               : std::sqrt(squares[i]),
+                             lost ? "the device has no fp64, and this is below the rounding of fp32"
+                             : !std::isfinite(squares[i]) ? "beyond the range of a double"
+                             : std::fabs(squares[i]) < 1e-290
+                                 ? "below the range of a double"
+                                 : "the square is below its rounding error");
+  }
   if (points.size() < 2)
     all[5].reason = "one point has no distance";
   else

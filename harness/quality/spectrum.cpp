@@ -29,6 +29,10 @@ std::vector<double> half_spectrum(QualityKernels& kernels, const PointSet& point
   return result;
 }
 
+// Spectra that are kept to tell repeated sets; shifted tables have one, random sets are all
+// different.
+constexpr std::size_t kMostCompared = 64;
+
 // Equal up to the rounding of a spectrum in single precision.
 bool same_spectrum(const std::vector<double>& a, const std::vector<double>& b) {
   return std::equal(a.begin(), a.end(), b.begin(),
@@ -44,6 +48,14 @@ void each_independent(const PowerSpectrum& s, Take&& take) {
     for (std::int64_t ky = kx == 0 ? 1 : -reach; ky <= reach; ++ky)
       take(std::hypot(kx, ky), s.power[static_cast<std::size_t>(kx + reach) * width +
                                        static_cast<std::size_t>(ky + reach)]);
+}
+
+// A frequency that a set has not at all comes out at the rounding error of N phases, some 64 eps
+// each: that is 0.
+void clear_rounding(PowerSpectrum& s, std::uint64_t n, bool fp64) {
+  const double error = 64 * (fp64 ? 0x1p-53 : 0x1p-24);
+  for (double& p : s.power)
+    if (p < static_cast<double>(n) * error * error) p = 0;
 }
 
 void add_radial_statistics(PowerSpectrum& s) {
@@ -121,17 +133,20 @@ PowerSpectrum power_spectrum(QualityKernels& kernels, const std::vector<PointSet
   result.reach = reach;
   const std::size_t width = 2 * std::size_t{reach} + 1;
   result.power.assign(width * width, 0.0);
-  std::vector<double> first;
+  std::vector<std::vector<double>> distinct;
   for (const PointSet& points : sets) {
-    const std::vector<double> half = half_spectrum(kernels, points, reach);
-    if (first.empty()) first = half;
-    result.distinct_sets += same_spectrum(first, half) ? 0 : 1;
+    std::vector<double> half = half_spectrum(kernels, points, reach);
+    const bool known = std::any_of(distinct.begin(), distinct.end(),
+                                   [&](const auto& other) { return same_spectrum(other, half); });
+    result.distinct_sets += known ? 0 : 1;
     for (std::size_t i = 0; i < half.size(); ++i) result.power[reach * width + i] += half[i];
+    if (!known && distinct.size() < kMostCompared) distinct.push_back(std::move(half));
   }
   // P(-k) = P(k): the lower half is the upper one read backwards.
   for (std::size_t i = 0; i < width * width / 2; ++i)
     result.power[i] = result.power[width * width - 1 - i];
   for (double& p : result.power) p /= static_cast<double>(sets.size());
+  clear_rounding(result, sets.front().size(), kernels.fp64());
   add_radial_statistics(result);
   add_low_frequencies(result);
   return result;

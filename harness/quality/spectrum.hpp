@@ -19,9 +19,9 @@ PairCorrelation pair_correlation(QualityKernels& kernels, const std::vector<Poin
 // P(k) = |sum exp(-2 pi i k.x)|^2 / N, 1 in the mean for white noise (k != 0).
 struct PowerSpectrum {
   std::uint32_t reach = 0;  // frequencies -reach ... reach
-  // Sets whose spectrum is not the first one's, and the first: 1 where replicates are the same set
-  // shifted on the torus, as averaging them averages nothing.
-  std::uint32_t distinct_sets = 1;
+  // Sets with spectra of their own: 1 where replicates are the same set shifted on the torus, as
+  // averaging them averages nothing.
+  std::uint32_t distinct_sets = 0;
   std::vector<double> power;  // [kx + reach][ky + reach], mean over the sets; P(0) = N
   // Rings of width 1 about integer frequencies 1 ... reach (Lagae & Dutre 2008): the mean power,
   // and the variance of the power within the ring over the squared mean, in dB (Ulichney 1987);

@@ -53,7 +53,10 @@ Json power_spectrum_json(const Quality& q) {
                    {"radial_mean", s.radial_mean},
                    {"anisotropy_db", anisotropy},
                    {"peak_frequency", s.peak_frequency},
-                   {"low_frequency_power", number_or_null(s.low_frequency_power)}};
+                   {"low_frequency_power", number_or_null(s.low_frequency_power)},
+                   {"null_reason",
+                    "anisotropy: the ring has no power above rounding; low_frequency_power: no "
+                    "integer frequency lies below a quarter of the peak"}};
   return json;
 }
 
@@ -96,7 +99,7 @@ std::string averages_text(const Json& averages) {
     const Json& low = s["low_frequency_power"];
     const auto distinct = s["distinct_sets"].get<std::uint32_t>();
     if (distinct < averages["sets"].get<std::uint32_t>())
-      text += fmt::format("power spectrum: {} distinct, the other sets are shifts of the first\n",
+      text += fmt::format("power spectrum: {} distinct, the other sets are shifts of these\n",
                           distinct);
     text += fmt::format(
         "power spectrum: greatest in the ring |k| = {}, {} below a quarter of it\n",
@@ -122,9 +125,11 @@ std::string inequality_line(const Json& k) {
   const auto number = [](const Json& value) {
     return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : std::string("-");
   };
-  std::string line = fmt::format("{}: |Q - I| = {} <= V D* = {} (V = {}, anchored at 1)",
-                                 k["scene"].get<std::string>(), number(k["error"]),
-                                 number(k["bound"]), number(k["variation"]));
+  std::string line =
+      fmt::format("{}: |Q - I| = {}", k["scene"].get<std::string>(), number(k["error"]));
+  if (k["bound"].is_number())
+    line += fmt::format(" <= V D* = {} (V = {}, anchored at 1; D*: {})", number(k["bound"]),
+                        number(k["variation"]), k["star_how"].get<std::string>());
   for (const char* key : {"bound_reason", "error_reason"})
     if (k[key].is_string()) line += "; " + k[key].get<std::string>();
   return line + "\n";

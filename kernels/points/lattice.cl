@@ -78,7 +78,8 @@ static inline real points_next(points *p) {
 #elif KOKSMA_FP64
   return unit_from_mantissa((lattice_word(p) & (word)0x000FFFFFFFFFFFFFUL) | (word)KOKSMA_ONE_PATTERN);
 #elif KOKSMA_CENTRED
-  // The low 9 bits of the state are zero, so conversion, scaling and sum are all exact: (k + 1/2) 2^-23.
+  // The low 9 bits of the state are zero, as no lattice of the family has more than 2^23 points, so conversion, scaling
+  // and sum are all exact: (k + 1/2) 2^-23.
   return KOKSMA_TO_REAL(KOKSMA_AS_SIGNED(lattice_word(p))) * R(0x1.0p-32) + R(0x1.000002p-1);
 #else
   return KOKSMA_TO_REAL(KOKSMA_AS_SIGNED(lattice_word(p))) * R(0x1.0p-32) + R(0.5);
