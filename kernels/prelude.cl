@@ -51,7 +51,6 @@ typedef uint words32;
 #define load_lanes(pointer) (*(pointer))
 #define store_lanes(value, pointer) (*(pointer) = (value))
 static inline real select_real(mask m, real yes, real no) { return m ? yes : no; }
-static inline bits select_bits(mask m, bits yes, bits no) { return m ? yes : no; }
 static inline int any_lane(mask m) { return m != 0; }
 static inline int all_lanes(mask m) { return m != 0; }
 static inline mask not_lanes(mask m) { return !m; }
@@ -70,7 +69,6 @@ typedef KOKSMA_PASTE(uint, KOKSMA_LANES_PER_ITEM) words32;
 #define load_lanes(pointer) KOKSMA_PASTE(vload, KOKSMA_LANES_PER_ITEM)(0, pointer)
 #define store_lanes(value, pointer) KOKSMA_PASTE(vstore, KOKSMA_LANES_PER_ITEM)(value, 0, pointer)
 static inline real select_real(mask m, real yes, real no) { return select(no, yes, m); }
-static inline bits select_bits(mask m, bits yes, bits no) { return select(no, yes, m); }
 static inline int any_lane(mask m) { return any(m); }
 static inline int all_lanes(mask m) { return all(m); }
 static inline mask not_lanes(mask m) { return ~m; }

@@ -105,7 +105,7 @@ void note_what_is_left_out(Plan& plan) {
 // For kernels/rotate.cl: [0] where the points' own table begins; then, per replicate and dimension,
 // the bits of the number 1 - u, u = (k + 1/2) 2^-m the shift.
 std::vector<std::uint64_t> rotation_table(const PointRequest& request) {
-  std::vector<std::uint64_t> words{1 + std::uint64_t{request.replicates} * request.dim};
+  std::vector<std::uint64_t> words{0};
   for (std::uint32_t r = 0; r < request.replicates; ++r) {
     for (std::uint32_t d = 0; d < request.dim; ++d) {
       const std::uint64_t u = random_pair(request.seed, 0, r, RandomPurpose::rotation, d).first;
@@ -116,6 +116,9 @@ std::vector<std::uint64_t> rotation_table(const PointRequest& request) {
                                    : std::bit_cast<std::uint32_t>(narrow));
     }
   }
+  // An even place, as some tables hold 64-bit words in fp32 too.
+  if (words.size() % 2 != 0) words.push_back(0);
+  words[0] = words.size();
   return words;
 }
 

@@ -53,29 +53,26 @@ PointTable build_kronecker(const PointRequest& request) {
   const std::vector<std::uint64_t> alpha =
       kronecker_fractions(request.options.at("alpha"), request.dim);
   const bool shifted = request.options.at("randomize") == "shift";
-  const std::uint32_t halves = request.fp64 ? 1 : 2;
-
-  PointTable table;
-  std::vector<std::uint64_t>& words = table.words;
-  const auto push = [&](std::uint64_t fraction) {
-    if (!request.fp64) words.push_back(fraction >> 32);
-    words.push_back(request.fp64 ? fraction : fraction & UINT32_MAX);
-  };
-  const std::uint64_t lanes = kHeader + std::uint64_t{halves} * request.dim;
-  const std::uint64_t starts = lanes + std::uint64_t{halves} * request.dim * kLanes;
-  words = {kHeader, lanes, starts, 0};
-  for (const std::uint64_t a : alpha) push(kLanes * a);
-  for (const std::uint64_t a : alpha) {
-    // In fp32 the 16 high halves come first, then the 16 low ones.
-    for (std::uint32_t half = 0; half < halves; ++half)
-      for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-        words.push_back(request.fp64 ? lane * a
-                        : half == 0  ? lane * a >> 32
-                                     : lane * a & UINT32_MAX);
-  }
+  const std::uint64_t lanes = kHeader + request.dim;
+  std::vector<std::uint64_t> fractions{kHeader, lanes, lanes + std::uint64_t{kLanes} * request.dim,
+                                       0};
+  for (const std::uint64_t a : alpha) fractions.push_back(kLanes * a);
+  for (const std::uint64_t a : alpha)
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) fractions.push_back(lane * a);
   for (std::uint32_t r = 0; r < request.replicates; ++r)
     for (std::uint32_t d = 0; d < request.dim; ++d)
-      push(shifted ? random_pair(request.seed, 0, r, RandomPurpose::lattice_shift, d).first : 0);
+      fractions.push_back(
+          shifted ? random_pair(request.seed, 0, r, RandomPurpose::lattice_shift, d).first : 0);
+
+  PointTable table;
+  if (request.fp64) {
+    table.words = std::move(fractions);
+    return table;
+  }
+  for (const std::uint64_t fraction : fractions) {
+    table.words.push_back(fraction & UINT32_MAX);
+    table.words.push_back(fraction >> 32);
+  }
   return table;
 }
 
