@@ -29,7 +29,8 @@ std::string npy(const std::string& fields, const std::vector<Value>& values, int
   text += header;
   const std::size_t begin = text.size();
   text.resize(begin + values.size() * sizeof(Value));
-  std::memcpy(text.data() + begin, values.data(), values.size() * sizeof(Value));
+  if (!values.empty())
+    std::memcpy(text.data() + begin, values.data(), values.size() * sizeof(Value));
   return text;
 }
 
