@@ -37,6 +37,14 @@ double serial_correlation(const std::vector<double>& values) {
   return sum / std::sqrt(static_cast<double>(values.size() - 1));
 }
 
+// Point i of a randomized Hammersley set has (i + u)/N for its first coordinate, by definition: the
+// set is unbiased, and u is what must be uniform.
+double free_part(const Sampler& s, std::uint32_t dimension, std::uint64_t n, double x) {
+  if (dimension > 0 || !test::has_property(s, "first-coordinate-rows")) return x;
+  const double rows = static_cast<double>(n) * x;
+  return rows - std::floor(rows);
+}
+
 // [index][dimension][replicate] of the first points and of one in the middle of the set.
 std::vector<std::vector<double>> over_replicates(const Sampler& s,
                                                  const std::vector<std::uint64_t>& indices) {
@@ -50,7 +58,7 @@ std::vector<std::vector<double>> over_replicates(const Sampler& s,
     const auto drawn = dump.read(0, 48, n, r, 6);
     for (std::size_t i = 0; i < indices.size(); ++i)
       for (std::uint32_t d = 0; d < dim; ++d)
-        values[i * dim + d].push_back(drawn[indices[i] * dim + d]);
+        values[i * dim + d].push_back(free_part(s, d, n, drawn[indices[i] * dim + d]));
   }
   return values;
 }
