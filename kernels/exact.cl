@@ -1,8 +1,8 @@
 // exact.cl: the program of exact values, the last piece after the params and the integrand's KOKSMA_EXACT
 // part. It runs in scalar double on a CPU device with fp64, once per cell, and is built without any
 // relaxed flag. Defines: KOKSMA_EXACT_MEAN, _VARIANCE, _MEAN_ABS, _VARIATION (1 where the integrand has that
-// function) and KOKSMA_EXACT_SETUP (the number of coefficients, where there are any). `values` are the
-// parameters in their order.
+// function), KOKSMA_EXACT_ORDER (1 where it has dimension_order) and KOKSMA_EXACT_SETUP (the number of coefficients,
+// where there are any). `values` are the parameters in their order.
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 
 // Gauss-Legendre nodes and weights of 16 points on (-1,1), positive half (Abramowitz & Stegun, table 25.4).
@@ -47,6 +47,14 @@ __kernel void exact_values(__global const double *values, uint d, __global doubl
   out[3] = exact_variation(q, d);
 #endif
 }
+
+#ifdef KOKSMA_EXACT_ORDER
+// out[k] = the dimension of the points that draw k takes; the global size is d.
+__kernel void order_dimensions(__global const double *values, uint d, __global uint *out) {
+  const uint k = get_global_id(0);
+  if (k < d) out[k] = dimension_order(load_params(values), d, k);
+}
+#endif
 
 #ifdef KOKSMA_EXACT_SETUP
 // out[j * K + k] = coefficient k of dimension j = 0 ... d-1; the global size is d.

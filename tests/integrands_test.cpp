@@ -52,18 +52,23 @@ double value_at(const Integrand& f, const Scene& scene, const std::vector<double
 
 }  // namespace
 
-TEST_CASE("closed forms agree with all verified references to 1e-13", "[device]") {
+TEST_CASE("closed forms agree with all verified references to 1e-13, or as their entry states",
+          "[device]") {
   std::size_t checked = 0;
   for (const Integrand& f : test::catalog().integrands) {
-    REQUIRE(!f.checks.empty());
+    INFO(f.name);
+    REQUIRE(f.checks.empty() == (f.mean.kind == ExactSource::Kind::undefined));
     for (const Json& check : f.checks) {
       const ExactValues exact = compute_exact(test::device(), f, scene_of(f, check));
       INFO(f.name << " d = " << check["d"] << " " << check["parameters"]);
       REQUIRE(exact.mean);
-      CHECK(deviation(*exact.mean, std::stod(check["mean"].get<std::string>())) <= 1e-13);
-      if (check["variance"].is_string()) {
+      CHECK(deviation(*exact.mean, std::stod(check["mean"].get<std::string>())) <=
+            f.mean.tolerance);
+      CHECK(exact.infinite_variance == (check["variance"] == "inf"));
+      if (check["variance"].is_string() && !exact.infinite_variance) {
         REQUIRE(exact.variance);
-        CHECK(deviation(*exact.variance, std::stod(check["variance"].get<std::string>())) <= 1e-13);
+        CHECK(deviation(*exact.variance, std::stod(check["variance"].get<std::string>())) <=
+              f.variance.tolerance);
       }
       ++checked;
     }
@@ -72,7 +77,8 @@ TEST_CASE("closed forms agree with all verified references to 1e-13", "[device]"
 }
 
 TEST_CASE(
-    "the device's value of every integrand at fixed points is within 8 ulp of the 25-digit value",
+    "the device's value of every integrand at fixed points is within its entry's ulps (8) of the "
+    "25-digit value",
     "[device]") {
   for (const Integrand& f : test::catalog().integrands) {
     REQUIRE(!f.sample_checks.empty());
@@ -87,7 +93,8 @@ TEST_CASE(
                 : std::nextafterf(static_cast<float>(std::fabs(expected)), INFINITY) -
                       static_cast<float>(std::fabs(expected));
         INFO(f.name << " " << precision_name(precision) << " at " << check["x"] << ": " << value);
-        CHECK(std::fabs(value - expected) <= 8 * ulp);
+        CHECK(std::fabs(value - expected) <=
+              (precision == Precision::fp64 ? f.ulps_fp64 : f.ulps_fp32) * ulp);
       }
     }
   }
@@ -129,6 +136,10 @@ TEST_CASE("the sampled mean of every default scene meets its exact value", "[sta
     Cell cell = test::cell(f.name, "sobol-owen", 1 << 12, 32);
     PreparedCell prepared(test::catalog(), test::device(), test::device(),
                           make_plan(test::catalog(), cell, test::device().facts()));
+    if (prepared.exact().mean_undefined || prepared.exact().infinite_variance) {
+      WARN(f.name << ": no mean or no variance, so no standard error to test with");
+      continue;
+    }
     const Row row = prepared.run_row(1 << 12);
     INFO(f.name << ": estimate " << *row.estimate.value << ", exact " << *prepared.exact().mean
                 << ", standard error " << *row.estimate.standard_error);

@@ -64,19 +64,31 @@ struct Parameter {
 };
 
 // Where an exact quantity comes from: a function in the .cl, the mean (mean_abs of a nonnegative
-// f), the values of the entry's checks, or nowhere.
+// f), a constant, the values of the entry's checks, or nowhere. `undefined`: there is no mean.
 struct ExactSource {
-  enum class Kind { formula, mean, table, none } kind = Kind::none;
+  enum class Kind { formula, mean, constant, table, none, undefined } kind = Kind::none;
+  std::optional<double> value;  // of a constant
+  double tolerance = 1e-13;     // relative error of a formula
   std::string source;
 };
 
-// RMSE ~ N^(constant + per_dimension / d) for one class of samplers, and where it may gate.
+// A number for one of an integrand's parameters, by its place among them.
+struct ParameterValue {
+  std::size_t parameter = 0;
+  double value = 0;
+};
+
+// RMSE ~ N^max(at_least, constant + per_dimension / d + sum per_parameter) for one class of
+// samplers, and where it may gate.
 struct ExpectedRate {
   double constant = 0, per_dimension = 0;
+  std::vector<ParameterValue> per_parameter;  // factors of the parameters
+  std::optional<double> at_least;
   std::string source;
   std::optional<std::uint32_t> gate_max_d;
   double gate_tolerance = 0;           // around the rate, or
   std::optional<double> gate_at_most;  // one-sided: a slope that is steep enough
+  std::vector<ParameterValue> gate_parameters_at_most;
   bool log_correction = false;
 };
 
@@ -87,6 +99,9 @@ struct Integrand {
   std::vector<Parameter> parameters;
   std::uint32_t min_dim = 1, max_dim = 1, default_dim = 1;
   std::vector<std::string> coefficients, transforms;
+  bool dimension_order = false;  // the .cl says which dimension of the points each draw takes
+  bool all_coordinates = false;  // keeps all coordinates of a sample in private memory
+  double ulps_fp32 = 8, ulps_fp64 = 8;  // largest error of one evaluation
   ExactSource mean, variance, mean_abs;
   ExactSource variation;                         // of Hardy and Krause, anchored at 1
   std::map<std::string, ExpectedRate> expected;  // by sampler rate class

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "error/error.hpp"
@@ -9,33 +10,61 @@
 namespace koksma {
 namespace {
 
-ExactSource read_exact(const Json& exact, const char* key) {
+ExactSource read_exact(const Json& exact, const char* key, std::string_view where) {
   ExactSource result;
   const auto found = exact.find(key);
   if (found == exact.end()) return result;
   const std::string from = found->at("from");
   using Kind = ExactSource::Kind;
-  result.kind = from == "formula" ? Kind::formula
-                : from == "mean"  ? Kind::mean
-                : from == "table" ? Kind::table
-                                  : Kind::none;
+  result.kind = from == "formula"     ? Kind::formula
+                : from == "mean"      ? Kind::mean
+                : from == "constant"  ? Kind::constant
+                : from == "table"     ? Kind::table
+                : from == "undefined" ? Kind::undefined
+                                      : Kind::none;
   result.source = found->value("source", "");
+  result.tolerance = found->value("tolerance", result.tolerance);
+  if (result.kind == Kind::constant) {
+    if (!found->contains("value"))
+      throw InputError(fmt::format("{}, at '/exact/{}'", where, key), "a constant without a value",
+                       "give \"value\": \"1.25\"");
+    result.value = std::stod(found->at("value").get<std::string>());
+  }
   return result;
 }
 
-void read_rates(const Json& rates, std::map<std::string, ExpectedRate>& expected) {
+std::vector<ParameterValue> read_parameter_values(const Json& entry, const char* key,
+                                                  const Integrand& f, std::string_view where) {
+  std::vector<ParameterValue> result;
+  const Json values = entry.value(key, Json::object());
+  for (const auto& [name, value] : values.items()) {
+    std::vector<std::string> known;
+    for (const Parameter& p : f.parameters) known.push_back(p.name);
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end())
+      throw unknown_name(fmt::format("{}, the rates of class '{}', {}", where, f.smoothness, key),
+                         "parameter", name, known);
+    result.push_back({static_cast<std::size_t>(found - known.begin()), value});
+  }
+  return result;
+}
+
+void read_rates(const Json& rates, Integrand& f, std::string_view where) {
   for (const auto& [sampler_class, entry] : rates.items()) {
     ExpectedRate rate;
     rate.constant = entry.at("constant");
     rate.per_dimension = entry.value("per_dimension", 0.0);
+    rate.per_parameter = read_parameter_values(entry, "per_parameter", f, where);
+    if (entry.contains("at_least")) rate.at_least = entry.at("at_least").get<double>();
     rate.source = entry.at("source");
     if (const auto gate = entry.find("gate"); gate != entry.end()) {
       rate.gate_max_d = gate->at("max_d").get<std::uint32_t>();
       rate.gate_tolerance = gate->value("tolerance", 0.0);
       if (gate->contains("at_most")) rate.gate_at_most = gate->at("at_most").get<double>();
       rate.log_correction = gate->value("log_correction", false);
+      rate.gate_parameters_at_most = read_parameter_values(*gate, "parameters_at_most", f, where);
     }
-    expected[sampler_class] = rate;
+    f.expected[sampler_class] = rate;
   }
 }
 
@@ -132,10 +161,16 @@ Integrand read_integrand(const Json& entry, const Json& classes, std::string_vie
   f.default_dim = entry["dimensions"]["default"];
   f.coefficients = entry["coefficients"].get<std::vector<std::string>>();
   f.transforms = entry["transforms"].get<std::vector<std::string>>();
-  f.mean = read_exact(entry["exact"], "mean");
-  f.variance = read_exact(entry["exact"], "variance");
-  f.mean_abs = read_exact(entry["exact"], "mean_abs");
-  f.variation = read_exact(entry["exact"], "variation");
+  f.dimension_order = entry.value("dimension_order", false);
+  f.all_coordinates = !entry.value("needs", Json::array()).empty();
+  if (entry.contains("ulps")) {
+    f.ulps_fp32 = entry["ulps"]["fp32"];
+    f.ulps_fp64 = entry["ulps"]["fp64"];
+  }
+  f.mean = read_exact(entry["exact"], "mean", where);
+  f.variance = read_exact(entry["exact"], "variance", where);
+  f.mean_abs = read_exact(entry["exact"], "mean_abs", where);
+  f.variation = read_exact(entry["exact"], "variation", where);
   f.checks = entry.value("checks", Json::array());
   f.sample_checks = entry.value("sample_checks", Json::array());
   f.code = std::move(code);
@@ -146,8 +181,8 @@ Integrand read_integrand(const Json& entry, const Json& classes, std::string_vie
     for (const auto& [name, rates] : classes.items()) names.push_back(name);
     throw unknown_name(fmt::format("{}, at '/class'", where), "class", f.smoothness, names);
   }
-  read_rates(classes[f.smoothness]["rates"], f.expected);
-  if (entry.contains("expected")) read_rates(entry["expected"], f.expected);
+  read_rates(classes[f.smoothness]["rates"], f, where);
+  if (entry.contains("expected")) read_rates(entry["expected"], f, where);
   return f;
 }
 

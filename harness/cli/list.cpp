@@ -32,8 +32,12 @@ const char* truth(const ExactSource& source) {
     case ExactSource::Kind::formula:
     case ExactSource::Kind::mean:
       return "closed form";
+    case ExactSource::Kind::constant:
+      return "constant";
     case ExactSource::Kind::table:
       return "table";
+    case ExactSource::Kind::undefined:
+      return "no mean";
     case ExactSource::Kind::none:
       break;
   }

@@ -1,7 +1,11 @@
 #include "device/exact.hpp"
 
-#include <array>
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+
+#include "error/error.hpp"
 
 namespace koksma {
 namespace {
@@ -21,7 +25,13 @@ bool same_scene(const Json& check, const Integrand& f, const Scene& scene) {
 std::optional<double> from_table(const Integrand& f, const Scene& scene, const char* key) {
   const Json* check = matching_check(f, scene);
   if (check == nullptr || !check->contains(key) || !(*check)[key].is_string()) return std::nullopt;
-  return std::stod((*check)[key].get<std::string>());
+  const double value = std::stod((*check)[key].get<std::string>());
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+bool variance_check_says_infinite(const Integrand& f, const Scene& scene) {
+  const Json* check = f.variance.kind == Kind::table ? matching_check(f, scene) : nullptr;
+  return check != nullptr && (*check)["variance"] == "inf";
 }
 
 std::optional<double> resolve(const ExactSource& source, double computed,
@@ -32,12 +42,65 @@ std::optional<double> resolve(const ExactSource& source, double computed,
       return std::isfinite(computed) ? std::optional(computed) : std::nullopt;
     case Kind::mean:
       return mean;
+    case Kind::constant:
+      return source.value;
     case Kind::table:
       return from_table(f, scene, key);
     case Kind::none:
+    case Kind::undefined:
       break;
   }
   return std::nullopt;
+}
+
+// The integrand's exact program with its arguments, run on one device.
+class ExactProgram {
+ public:
+  ExactProgram(Device& device, const Integrand& integrand, const Scene& scene)
+      : device_(device),
+        dim_(scene.dim),
+        program_(device.build(exact_program(integrand)).program),
+        values_(device.upload(scene.parameters.data(), scene.parameters.size() * sizeof(double))) {}
+
+  // What `items` work-items of one kernel wrote.
+  template <typename T>
+  std::vector<T> run(const char* name, std::size_t items, std::size_t count) {
+    return checked([&] {
+      std::vector<T> out(count);
+      const cl::Buffer buffer = device_.allocate(count * sizeof(T));
+      cl::Kernel kernel(program_, name);
+      kernel.setArg(0, values_);
+      kernel.setArg(1, cl_uint{dim_});
+      kernel.setArg(2, buffer);
+      device_.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items),
+                                           cl::NDRange(1));
+      device_.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(T), out.data());
+      return out;
+    });
+  }
+
+ private:
+  Device& device_;
+  std::uint32_t dim_;
+  cl::Program program_;
+  cl::Buffer values_;
+};
+
+bool has_formula(const Integrand& f) {
+  return f.mean.kind == Kind::formula || f.variance.kind == Kind::formula ||
+         f.mean_abs.kind == Kind::formula || f.variation.kind == Kind::formula;
+}
+
+// A permutation that keeps draw 0 in place: sets of which coordinate 0 is special (Hammersley) then
+// need no other kernel.
+void check_order(const Integrand& f, const Scene& scene, std::vector<std::uint32_t> order) {
+  const std::string allowed =
+      fmt::format("a permutation of 0 to {} that begins with 0", scene.dim - 1);
+  const bool begins_with_0 = order.front() == 0;
+  std::sort(order.begin(), order.end());
+  for (std::uint32_t k = 0; k < scene.dim; ++k)
+    if (order[k] != k || !begins_with_0)
+      throw InputError(f.code.path, fmt::format("dimension_order at d = {}", scene.dim), allowed);
 }
 
 }  // namespace
@@ -50,38 +113,21 @@ const Json* matching_check(const Integrand& integrand, const Scene& scene) {
 
 ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene) {
   ExactValues result;
-  std::array<double, 4> out{};
-  const bool computes =
-      integrand.mean.kind == Kind::formula || integrand.variance.kind == Kind::formula ||
-      integrand.mean_abs.kind == Kind::formula || integrand.variation.kind == Kind::formula;
-  if (computes || !integrand.coefficients.empty()) {
-    const BuiltProgram built = device.build(exact_program(integrand));
-    checked([&] {
-      const cl::Buffer values =
-          device.upload(scene.parameters.data(), scene.parameters.size() * sizeof(double));
-      cl::CommandQueue& queue = device.queue();
-      if (computes) {
-        const cl::Buffer buffer = device.allocate(sizeof(out));
-        cl::Kernel kernel(built.program, "exact_values");
-        kernel.setArg(0, values);
-        kernel.setArg(1, cl_uint{scene.dim});
-        kernel.setArg(2, buffer);
-        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
-        queue.enqueueReadBuffer(buffer, CL_TRUE, 0, sizeof(out), out.data());
-      }
-      if (!integrand.coefficients.empty()) {
-        result.coefficients.resize(std::size_t{scene.dim} * integrand.coefficients.size());
-        const cl::Buffer buffer = device.allocate(result.coefficients.size() * sizeof(double));
-        cl::Kernel kernel(built.program, "setup_coefficients");
-        kernel.setArg(0, values);
-        kernel.setArg(1, cl_uint{scene.dim});
-        kernel.setArg(2, buffer);
-        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(scene.dim), cl::NDRange(1));
-        queue.enqueueReadBuffer(buffer, CL_TRUE, 0, result.coefficients.size() * sizeof(double),
-                                result.coefficients.data());
-      }
-    });
+  std::vector<double> out(4);
+  if (has_formula(integrand) || !integrand.coefficients.empty() || integrand.dimension_order) {
+    ExactProgram program(device, integrand, scene);
+    if (has_formula(integrand)) out = program.run<double>("exact_values", 1, 4);
+    if (!integrand.coefficients.empty())
+      result.coefficients = program.run<double>("setup_coefficients", scene.dim,
+                                                scene.dim * integrand.coefficients.size());
+    if (integrand.dimension_order) {
+      result.dimension_order = program.run<std::uint32_t>("order_dimensions", scene.dim, scene.dim);
+      check_order(integrand, scene, result.dimension_order);
+    }
   }
+  result.mean_undefined = integrand.mean.kind == Kind::undefined;
+  result.infinite_variance = (integrand.variance.kind == Kind::formula && out[1] == INFINITY) ||
+                             variance_check_says_infinite(integrand, scene);
   result.mean = resolve(integrand.mean, out[0], std::nullopt, integrand, scene, "mean");
   result.variance = resolve(integrand.variance, out[1], std::nullopt, integrand, scene, "variance");
   result.mean_abs = resolve(integrand.mean_abs, out[2], result.mean, integrand, scene, "mean_abs");

@@ -15,7 +15,11 @@ const Json* matching_check(const Integrand& integrand, const Scene& scene);
 struct ExactValues {
   std::optional<double> mean, variance, mean_abs;
   std::optional<double> variation;   // of Hardy and Krause, anchored at 1
+  bool infinite_variance = false;    // known to be infinite; `variance` is then empty
+  bool mean_undefined = false;       // f has no mean; `mean` is then empty
   std::vector<double> coefficients;  // [dimension][coefficient]
+  // Which dimension of the points the k-th draw takes, a permutation; empty: the k-th.
+  std::vector<std::uint32_t> dimension_order;
 };
 
 // Runs the integrand's exact program. Quantities that the entry says do not exist stay empty;

@@ -87,8 +87,13 @@ inline constexpr std::size_t kGateRows = 8;
 // Replicates below which a cluster bootstrap covers less than 88 %: no interval.
 inline constexpr std::size_t kFewestForInterval = 8;
 
-// d ≥ 1. Within the gate is |slope − target| ≤ tolerance, or slope ≤ target where it is one-sided.
-// Heavy tails, a deterministic fit, d above the gate and R < 32 turn a gate into "reported".
+// The rate at these parameters of the integrand: what depends on them becomes part of the constant,
+// and a gate that does not hold there is dropped.
+ExpectedRate rate_at(ExpectedRate rate, std::span<const double> parameters);
+
+// `expected` is one of rate_at. d ≥ 1. Within the gate is |slope − target| ≤ tolerance, or slope ≤
+// target where it is one-sided. Heavy tails, a deterministic fit, d above the gate and R < 32 turn
+// a gate into "reported".
 RateVerdict judge(const RateFit& rate, const std::optional<ExpectedRate>& expected, unsigned d);
 
 }  // namespace koksma

@@ -88,7 +88,9 @@ RateFit fit(const CellResult& result, const Plan& plan) {
     r.n_eff = effective_samples(result.exact, row.n);
     rows.push_back(std::move(r));
   }
-  return fit_rate(rows);
+  FitOptions options;
+  options.infinite_variance = result.exact.infinite_variance;
+  return fit_rate(rows, options);
 }
 
 // Independent points are judged by their exact variance, which is sharper than any slope: every
@@ -140,6 +142,7 @@ struct PreparedCell::Sums {
 PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact_device, Plan plan)
     : catalog_(catalog), plan_(std::make_unique<Plan>(std::move(plan))) {
   exact_ = compute_exact(exact_device, *plan_->integrand, plan_->cell.scene);
+  plan_->request.dimension_order = exact_.dimension_order;
   const auto start = Clock::now();
   integrator_ = std::make_unique<Integrator>(device, *plan_, exact_.coefficients);
   // The first launch finishes compilation on some implementations (PoCL): warm up here, before
@@ -234,9 +237,11 @@ CellResult PreparedCell::run() {
     result.rate.excluded.push_back({n, "not run: more points than the precision can tell apart"});
   const auto& expected = plan_->integrand->expected;
   const auto found = expected.find(plan_->sampler->rate_class);
-  result.verdict =
-      judge(result.rate, found == expected.end() ? std::nullopt : std::optional(found->second),
-            plan_->cell.scene.dim);
+  result.verdict = judge(result.rate,
+                         found == expected.end()
+                             ? std::nullopt
+                             : std::optional(rate_at(found->second, plan_->cell.scene.parameters)),
+                         plan_->cell.scene.dim);
   if (declares(plan_->sampler->validity, "iid")) judge_variance(result);
   return result;
 }

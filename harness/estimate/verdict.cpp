@@ -1,4 +1,5 @@
 // Verdict on a fitted rate; declared in convergence.hpp.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -30,15 +31,30 @@ std::string why_not_gated(const RateFit& rate, const ExpectedRate& expected, uns
 
 }  // namespace
 
+ExpectedRate rate_at(ExpectedRate rate, std::span<const double> parameters) {
+  for (const ParameterValue& factor : rate.per_parameter)
+    rate.constant += factor.value * parameters[factor.parameter];
+  rate.per_parameter.clear();
+  for (const ParameterValue& bound : rate.gate_parameters_at_most)
+    if (!(parameters[bound.parameter] <= bound.value)) rate.gate_max_d.reset();
+  return rate;
+}
+
 RateVerdict judge(const RateFit& rate, const std::optional<ExpectedRate>& expected, unsigned d) {
   RateVerdict result;
   if (expected) {
     result.expected = expected->constant + expected->per_dimension / d;
+    if (expected->at_least) result.expected = std::max(*result.expected, *expected->at_least);
     if (expected->gate_max_d) {
       const double correction =
           expected->log_correction ? (d - 1) / (2 * mean_log_samples(rate)) : 0;
       result.target = expected->gate_at_most.value_or(*result.expected + correction);
     }
+  }
+  if (!rate.slope && rate.median_slope) {
+    result.verdict = expected ? "reported" : "no-theory";
+    result.reason = rate.reason;
+    return result;
   }
   if (!rate.slope) {
     result.verdict = "no-rate";

@@ -111,6 +111,7 @@ ProgramSource exact_program(const Integrand& integrand) {
   if (integrand.variance.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIANCE 1\n";
   if (integrand.mean_abs.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN_ABS 1\n";
   if (integrand.variation.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIATION 1\n";
+  if (integrand.dimension_order) text += "#define KOKSMA_EXACT_ORDER 1\n";
   if (!integrand.coefficients.empty())
     text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", integrand.coefficients.size());
   text += params_source(integrand, "double");

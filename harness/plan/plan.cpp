@@ -17,11 +17,14 @@ constexpr std::uint64_t kPrivateBytes =
     std::uint64_t{1} << 20;  // bound on local size x dim x sizeof(real) (3-kernels)
 
 // A CPU runs one wide item per group; a GPU runs scalar items, as many per group as private memory
-// allows. Families with tables keep a state of D vectors.
-LaunchShape shape_for(const DeviceFacts& device, const Sampler& sampler, std::uint32_t dim,
-                      bool fp64) {
-  const bool stateful = find_table_builder(sampler.family) != nullptr;
-  const std::uint64_t lane_bytes = stateful ? std::uint64_t{dim} * (fp64 ? 8 : 4) : 1;
+// allows. Families with tables keep a state of D vectors; so do integrands that need all
+// coordinates.
+LaunchShape shape_for(const DeviceFacts& device, const Sampler& sampler, const Integrand* integrand,
+                      std::uint32_t dim, bool fp64) {
+  const std::uint64_t kept = (find_table_builder(sampler.family) != nullptr ? 1 : 0) +
+                             (integrand != nullptr && integrand->all_coordinates ? 1 : 0);
+  const std::uint64_t lane_bytes =
+      std::max<std::uint64_t>(kept * std::uint64_t{dim} * (fp64 ? 8 : 4), 1);
   if (lane_bytes > kPrivateBytes)
     throw UnsupportedError(
         fmt::format("d = {} with sampler '{}': a work-item would keep {} bytes, {} are safe", dim,
@@ -152,13 +155,16 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
   set_precision(plan, cell.precision.value_or(device.fp64 ? Precision::fp64 : Precision::fp32),
                 device);
   plan.sum = &choose_sum(catalog, cell, device);
-  plan.shape = shape ? *shape : shape_for(device, *plan.sampler, cell.scene.dim, plan.fp64());
+  plan.shape = shape
+                   ? *shape
+                   : shape_for(device, *plan.sampler, plan.integrand, cell.scene.dim, plan.fp64());
   plan.cell.n.clear();
   for (const std::uint64_t n : cell.n)
     (resolves(plan, n) ? plan.cell.n : plan.refused_n).push_back(n);
   if (plan.cell.n.empty()) refuse_resolution(plan, cell.n.front());
-  plan.request = {plan.sampler->options, cell.scene.dim, plan.fp64(),     plan.cell.n.back(),
-                  cell.replicates,       cell.seed,      directions_file, nullptr};
+  plan.request = {plan.sampler->options, cell.scene.dim,  plan.fp64(),
+                  plan.cell.n.back(),    cell.replicates, cell.seed,
+                  directions_file,       nullptr,         {}};
   plan_preparation(catalog, plan, device);
   plan.program = compose(catalog, plan, ProgramKind::integrate);
   note_what_is_left_out(plan);
@@ -172,9 +178,9 @@ Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::u
   Plan plan;
   plan.sampler = std::make_shared<const Sampler>(catalog.sampler(sampler, "--sampler"));
   set_precision(plan, precision, device);
-  plan.shape = shape ? *shape : shape_for(device, *plan.sampler, dim, plan.fp64());
-  plan.request = {plan.sampler->options, dim,    plan.fp64(), end_index, replicates, seed,
-                  directions_file,       nullptr};
+  plan.shape = shape ? *shape : shape_for(device, *plan.sampler, nullptr, dim, plan.fp64());
+  plan.request = {plan.sampler->options, dim,     plan.fp64(), end_index, replicates, seed,
+                  directions_file,       nullptr, {}};
   if (!resolves(plan, end_index)) refuse_resolution(plan, end_index);
   plan_preparation(catalog, plan, device);
   plan.program = compose(catalog, plan, ProgramKind::inspect);

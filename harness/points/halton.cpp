@@ -198,7 +198,8 @@ std::vector<std::uint32_t> first_primes(std::uint32_t count) {
 
 PointTable build_halton(const PointRequest& request) {
   const bool rows = request.options.at("rows");
-  const auto bases = first_primes(request.dim - (rows ? 1 : 0));
+  const std::uint32_t first = rows ? 1 : 0;
+  const auto bases = in_draw_order(request, first_primes(request.dim - first), first);
   PointTable table;
   table.words.resize(kHeader);
   if (rows) append_rows(table.words, request);

@@ -51,7 +51,7 @@ std::vector<std::uint64_t> kronecker_fractions(const std::string& kind, std::uin
 
 PointTable build_kronecker(const PointRequest& request) {
   const std::vector<std::uint64_t> alpha =
-      kronecker_fractions(request.options.at("alpha"), request.dim);
+      in_draw_order(request, kronecker_fractions(request.options.at("alpha"), request.dim));
   const bool shifted = request.options.at("randomize") == "shift";
   const std::uint64_t lanes = kHeader + request.dim;
   std::vector<std::uint64_t> fractions{kHeader, lanes, lanes + std::uint64_t{kLanes} * request.dim,

@@ -117,7 +117,8 @@ PointTable build_lattice(const PointRequest& request) {
   Sections sections;
   for (std::uint32_t r = 0; r < vectors; ++r) {
     const std::vector<std::uint64_t> z =
-        random_vectors ? random_vector(request, r) : read_vector(source, request.dim);
+        random_vectors ? random_vector(request, r)
+                       : in_draw_order(request, read_vector(source, request.dim));
     const Sections each = append_vector(words, z, columns, form);
     if (r == 0) sections = each;
   }

@@ -110,7 +110,9 @@ GeneratingMatrices matrices_from_file(const std::string& path, std::uint32_t dim
   return result;
 }
 
-GeneratingMatrices generating_matrices(const PointRequest& request, std::uint32_t columns) {
+namespace {
+
+GeneratingMatrices matrices_by_dimension(const PointRequest& request, std::uint32_t columns) {
   const std::string kind = request.options.at("net");
   if (kind == "niederreiter-base-2") return niederreiter_matrices(request.dim, columns);
   if (kind == "hammersley-base-2")
@@ -120,6 +122,22 @@ GeneratingMatrices generating_matrices(const PointRequest& request, std::uint32_
   return request.directions_file.empty()
              ? sobol_matrices(request.dim, columns)
              : sobol_matrices_from_file(request.directions_file, request.dim, columns);
+}
+
+}  // namespace
+
+// The components of an interlaced coordinate are neighbours and stay together.
+GeneratingMatrices generating_matrices(const PointRequest& request, std::uint32_t columns) {
+  const GeneratingMatrices plain = matrices_by_dimension(request, columns);
+  if (request.dimension_order.empty()) return plain;
+  const auto components = static_cast<std::uint32_t>(plain.dim / request.dimension_order.size());
+  GeneratingMatrices result = plain;
+  for (std::uint32_t k = 0; k < plain.columns; ++k)
+    for (std::uint32_t d = 0; d < plain.dim; ++d)
+      result.words[std::size_t{k} * plain.dim + d] =
+          plain.words[std::size_t{k} * plain.dim +
+                      request.dimension_order[d / components] * components + d % components];
+  return result;
 }
 
 }  // namespace koksma

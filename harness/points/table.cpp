@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <stdexcept>
 
 #include "points/point_file.hpp"
@@ -47,8 +48,11 @@ Columns planar(const PlanarSet& set) {
 
 Columns rows_of_file(const PointRequest& request) {
   const PointFile file = read_point_file(request.options.at("path"));
+  std::vector<std::uint32_t> columns(request.dim);
+  std::iota(columns.begin(), columns.end(), 0U);
+  const std::vector<std::uint32_t> order = in_draw_order(request, columns);
   return columns_of(file.rows, request.dim, [&](std::uint64_t i, std::uint32_t d) {
-    return fraction_of(file.values[i * file.columns + d]);
+    return fraction_of(file.values[i * file.columns + order[d]]);
   });
 }
 

@@ -28,7 +28,21 @@ struct PointRequest {
   // What the sampler's preparation computed on a device: [point][dimension]; nullptr: it has none,
   // or has not run.
   std::shared_ptr<const std::vector<double>> prepared;
+  // Which dimension the k-th coordinate drawn is, a permutation that begins with 0; empty: the
+  // k-th. Families whose dimensions are not alike in law obey it.
+  std::vector<std::uint32_t> dimension_order;
 };
+
+// One value per dimension, from `first` on, in the order in which coordinates are drawn.
+template <typename T>
+std::vector<T> in_draw_order(const PointRequest& request, const std::vector<T>& by_dimension,
+                             std::uint32_t first = 0) {
+  if (request.dimension_order.empty()) return by_dimension;
+  std::vector<T> result;
+  for (std::uint32_t k = first; k < request.dim; ++k)
+    result.push_back(by_dimension.at(request.dimension_order.at(k) - first));
+  return result;
+}
 
 // The words that the family's points_seek reads (layout: the head of kernels/points/<family>.cl).
 struct PointTable {
