@@ -3,13 +3,36 @@
 // so the partial sums are the same bits for every vector width, work-group size and launch split.
 //   global size: (blocks of this launch * 16 / W, padded to the local size; replicates of this launch)
 //   out[((word * replicates + replicate) * blocks + block) * 16 + lane], the words of sum y first,
-//   then (KOKSMA_MOMENTS == 2) those of sum (y - centre)^2
+//   then (KOKSMA_MOMENTS == 2) those of the squares of squared_term
 //   nonfinite (KOKSMA_COUNT_NONFINITE): [(replicate * blocks + block) * 16 / W + group], samples NaN or +-Inf
 #if KOKSMA_LANES_PER_ITEM == 1
 static inline mask lanes_below(uint lane, uint count) { return lane < count; }
 #else
 static inline mask lanes_below(uint lane, uint count) {
   return KOKSMA_PASTE(KOKSMA_PASTE(convert_, KOKSMA_SIGNED), KOKSMA_LANES_PER_ITEM)(lane_numbers() + lane < (words32)count);
+}
+#endif
+
+#if KOKSMA_MOMENTS == 2
+// What is squared: KOKSMA_SQUARES_OF 0: y - centre; 1: (y + y') / 2 - centre; 2: y - y', y' the other sample of the pair
+// 2i, 2i + 1, which the neighbouring lane holds. The sums over lanes hold every pair twice.
+#if KOKSMA_LANES_PER_ITEM == 4
+#define KOKSMA_OTHER_OF_PAIR(v) (v).s1032
+#elif KOKSMA_LANES_PER_ITEM == 8
+#define KOKSMA_OTHER_OF_PAIR(v) (v).s10325476
+#elif KOKSMA_LANES_PER_ITEM == 16
+#define KOKSMA_OTHER_OF_PAIR(v) (v).s1032547698badcfe
+#elif KOKSMA_SQUARES_OF > 0
+#error "pairs need both lanes in one item"
+#endif
+static inline sum_value squared_term(sum_value v, sum_scalar centre) {
+#if KOKSMA_SQUARES_OF == 0
+  return v - centre;
+#elif KOKSMA_SQUARES_OF == 1
+  return (v + KOKSMA_OTHER_OF_PAIR(v)) / 2 - centre;
+#else
+  return v - KOKSMA_OTHER_OF_PAIR(v);
+#endif
 }
 #endif
 
@@ -53,7 +76,7 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
     v = sum_convert(y);
     sum_add(&s, v);
 #if KOKSMA_MOMENTS == 2
-    v -= centre;
+    v = squared_term(v, centre);
     sum_add(&squares, v * v);
 #endif
 #if KOKSMA_COUNT_NONFINITE
@@ -73,7 +96,7 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
   out += (replicate * blocks + block) * KOKSMA_LANES + lane;
   sum_store(&s, out, stride);
 #if KOKSMA_MOMENTS == 2
-  v = sum_convert(y) - centre;
+  v = squared_term(sum_convert(y), centre);
   // A lane beyond n holds y = 0 here; its square about the centre must not count.
   v *= sum_convert(select_real(valid, (real)R(1.0), (real)R(0.0)));
   sum_add(&squares, v * v);

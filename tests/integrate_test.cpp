@@ -112,6 +112,35 @@ TEST_CASE("masked lanes add nothing to the second moment either", "[device]") {
   CHECK(squares.rounded() == Approx(direct.rounded()).epsilon(1e-14));
 }
 
+TEST_CASE("squares of pair means and pair differences are those of the samples, at every width",
+          "[device]") {
+  const std::uint64_t n = 72;
+  constexpr double kCentre = 0.25;  // what partial_sums gives
+  for (const Estimator& estimator : test::catalog().estimators) {
+    if (!estimator.second_moment.starts_with("pair")) continue;
+    const bool means = estimator.second_moment == "pair-means";
+    const std::string sampler = means ? "random-antithetic" : "stratified-pairs";
+    for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+      Cell c = cell("linear-prod:d=2", sampler, n, 1, estimator.name);
+      c.precision = precision;
+      const auto y = values(c, 0, 5);
+      ExactSum direct;
+      for (std::size_t i = 0; i < n; ++i) {
+        const double term = means ? (y[i] + y[i ^ 1]) / 2 - kCentre : y[i] - y[i ^ 1];
+        direct.add(term * term);
+      }
+      for (const std::uint32_t lanes : {1U, 4U, 8U, 16U}) {
+        const auto partials = partial_sums(c, shape(lanes));
+        ExactSum squares;
+        squares.add(std::span(partials).subspan(partials.size() / 2));
+        INFO(estimator.name << " " << precision_name(precision) << " lanes " << lanes);
+        CHECK(squares.rounded() ==
+              Approx(direct.rounded()).epsilon(precision == Precision::fp64 ? 1e-13 : 1e-6));
+      }
+    }
+  }
+}
+
 TEST_CASE("samples at and beyond index 2^32 are those of the points there", "[device]") {
   for (const char* sampler : {"sobol", "sobol-shift", "sobol-lms-shift", "sobol-owen", "random"}) {
     Cell c = cell(kIdentity, sampler, 1ULL << 34);

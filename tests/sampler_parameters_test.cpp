@@ -147,6 +147,8 @@ TEST_CASE("the forms of N admit what they say and find the nearest", "[unit]") {
   CHECK(nearest("power-of-d", 3, 1000) == Pair(1000, 1000));
   CHECK(nearest("power-of-d", 10, 1000) == Pair(1, 1024));
   CHECK(nearest("power-of-d", 21, 1000) == Pair(1, 0));
+  CHECK(nearest("twice-power-of-d", 2, 1000) == Pair(968, 1058));
+  CHECK(nearest("twice-power-of-d", 3, 2000) == Pair(2000, 2000));
   CHECK(nearest("rectangle", 2, 997) == Pair(992, 999));
   CHECK(nearest("rectangle", 2, 2) == Pair(2, 2));
   CHECK(nearest("rectangle", 2, 1 << 19) == Pair(1 << 19, 1 << 19));

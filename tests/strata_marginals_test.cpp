@@ -66,7 +66,9 @@ std::vector<Cells> declared_cells(const Sampler& s, std::uint64_t n) {
   return result;
 }
 
-std::uint32_t dim_of(const Sampler& s) { return has_property(s, "one-per-stratum") ? 2 : 5; }
+std::uint32_t dim_of(const Sampler& s) {
+  return has_property(s, "one-per-stratum") || has_property(s, "two-per-stratum") ? 2 : 5;
+}
 
 // 10^4 sets of 12 points or the next number, drawn once for all tests.
 const Replicates& replicates_of(const Sampler& s) {

@@ -65,6 +65,11 @@ bool all_taken_once(const std::vector<std::uint64_t>& numbers, std::uint64_t n) 
   return numbers.size() == n;
 }
 
+// Strata of the whole cube, whose number grows with the dimension.
+bool has_grid(const Sampler& s) {
+  return has_property(s, "one-per-stratum") || has_property(s, "two-per-stratum");
+}
+
 bool one_per_row(const Set& set, std::uint32_t dim, std::uint32_t d) {
   std::vector<std::uint64_t> rows;
   for (std::size_t i = 0; i < set.n; ++i) rows.push_back(stratum(set.x[i * dim + d], set.n));
@@ -73,28 +78,32 @@ bool one_per_row(const Set& set, std::uint32_t dim, std::uint32_t d) {
 
 }  // namespace
 
-TEST_CASE("one-per-stratum: each of the m^d cells of the grid holds one point", "[device]") {
-  std::size_t found = 0;
+TEST_CASE("one-per-stratum, two-per-stratum: each cell of the grid holds one point, or a pair",
+          "[device]") {
+  std::set<std::size_t> found;
   for (const Sampler& s : test::catalog().samplers) {
-    if (!has_property(s, "one-per-stratum")) continue;
-    ++found;
+    if (!has_grid(s)) continue;
+    const std::size_t draws = has_property(s, "two-per-stratum") ? 2 : 1;
+    found.insert(draws);
     for (const std::uint32_t dim : {1U, 2U, 3U}) {
       for_all_sets(s, dim, [&](const Set& set) {
+        const std::uint64_t strata = set.n / draws;
         const auto m = static_cast<std::uint64_t>(
-            std::llround(std::pow(static_cast<double>(set.n), 1.0 / dim)));
+            std::llround(std::pow(static_cast<double>(strata), 1.0 / dim)));
         std::vector<std::uint64_t> cells;
         for (std::size_t i = 0; i < set.n; ++i) {
           std::uint64_t cell = 0;
           for (std::uint32_t d = dim; d-- > 0;) cell = cell * m + stratum(set.x[i * dim + d], m);
-          cells.push_back(cell);
+          if (i % draws == 0) cells.push_back(cell);
+          REQUIRE(cell == cells.back());
         }
-        REQUIRE(all_taken_once(cells, set.n));
+        REQUIRE(all_taken_once(cells, strata));
         // Deterministic cells come in the order of their numbers, dimension 0 fastest.
         REQUIRE((s.replicable || std::is_sorted(cells.begin(), cells.end())));
       });
     }
   }
-  CHECK(found >= 2);
+  CHECK(found.size() == 2);
 }
 
 TEST_CASE("one-per-row: every coordinate has one point in each of N rows", "[device]") {
@@ -138,7 +147,7 @@ TEST_CASE("no-duplicates: all points of a set differ", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     if (!has_property(s, "no-duplicates")) continue;
     // Programs of the tests above.
-    const std::uint32_t dim = has_property(s, "one-per-stratum") ? 3 : std::min(5U, s.max_dim);
+    const std::uint32_t dim = has_grid(s) ? 3 : std::min(5U, s.max_dim);
     for_all_sets(s, dim, [&](const Set& set) {
       std::set<std::vector<double>> seen;
       for (auto x = set.x.begin(); x != set.x.end(); x += dim) seen.emplace(x, x + dim);
@@ -219,7 +228,7 @@ TEST_CASE("the largest set of a sampler can be drawn at its end, in any blocks",
   for (const Sampler& s : test::catalog().samplers) {
     if (!has_property(s, "no-duplicates") || s.extensible) continue;
     ++found;
-    const std::uint32_t dim = has_property(s, "one-per-stratum") ? 3 : std::min(5U, s.max_dim);
+    const std::uint32_t dim = has_grid(s) ? 3 : std::min(5U, s.max_dim);
     const std::uint64_t n = nearest_sizes(s, dim, 1ULL << s.max_log2_n).below.value();
     test::PointsSpec spec{.sampler = s.name, .dim = dim};
     spec.start = n - 100;

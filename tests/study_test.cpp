@@ -263,6 +263,7 @@ TEST_CASE("an N that a sampler can not give names the nearest that it can", "[un
     const std::map<std::string, std::string> nearest{{"even", "996 and 998"},
                                                      {"power-of-two", "512 and 1024"},
                                                      {"power-of-d", "961 and 1024"},
+                                                     {"twice-power-of-d", "968 and 1058"},
                                                      {"rectangle", "992 and 999"}};
     CHECK_THAT(file.refusal(),
                Contains(file.path() + ", at '/n': N = 997 for sampler '" + s.name + "'") &&
@@ -308,7 +309,7 @@ TEST_CASE("more dimensions than a sampler has are refused, unless a file brings 
     file.flags = {};
     file.block()["samplers"] = {s.name};
     file.block()["scenes"] = {fmt::format("linear-prod:d={}", s.max_dim)};
-    file.block()["n"] = s.size_form == "power-of-d" ? "1" : "64";
+    file.block()["n"] = std::to_string(*nearest_sizes(s, s.max_dim, 64).below);
     CHECK(file.refusal().empty());
     file.block()["scenes"] = {fmt::format("linear-prod:d={}", s.max_dim + 1)};
     CHECK_THAT(file.refusal(), Contains("at '/cells/0/samplers/0'") &&
@@ -332,6 +333,7 @@ TEST_CASE(
       file.block()["samplers"] = {s.name};
       file.block()["scenes"] = {fmt::format("linear-prod:d={}", std::min(2U, s.max_dim))};
       file.block()["estimator"] = e.name;
+      file.json["n"] = std::to_string(*nearest_sizes(s, std::min(2U, s.max_dim), 256).above);
       const std::string message = file.refusal();
       if (fits(e, s)) {
         CHECK(message.empty());

@@ -76,7 +76,10 @@ std::vector<Sampler> samplers_by_kernel() {
 }
 
 std::uint64_t grid_size(const Sampler& sampler, std::uint32_t dim) {
-  const std::uint32_t log2_n = sampler.size_form == "power-of-d" ? 14 / dim * dim : 14;
+  const std::uint32_t power = 14 / dim * dim;
+  const std::uint32_t log2_n = sampler.size_form == "power-of-d"         ? power
+                               : sampler.size_form == "twice-power-of-d" ? power + 1
+                                                                         : 14;
   return std::uint64_t{1} << std::min(log2_n, sampler.max_log2_n);
 }
 

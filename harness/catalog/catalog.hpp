@@ -32,7 +32,7 @@ struct Sampler {
   std::string family;
   bool centred = false;               // coordinates (k + 1/2) 2^-m in (0,1), else k 2^-m in [0,1)
   bool replicable = false;            // has independent randomizations
-  std::vector<std::string> validity;  // iid, unbiased_replicates, linear, pairs (6-definitions 12)
+  std::vector<std::string> validity;  // iid, unbiased_replicates, … (6-definitions 12)
   std::string default_estimator;
   std::string size_form;   // which N there are (catalog/sizes.hpp)
   bool extensible = true;  // the first points of a larger set are the smaller set
@@ -127,8 +127,13 @@ struct Estimator {
   std::string name, title, citation;
   std::vector<std::string> fits;  // any one of these validities; empty: every sampler
   unsigned moments = 1;
-  std::string interval;  // normal | student-t | none
+  // With two moments, what is squared: values | pair-means | pair-differences.
+  std::string second_moment;
+  std::string interval;  // normal | student-t | order-statistics | none
   bool replicated = false;
+  // Randomizations whose median is one estimate (an odd number); 1: the estimate is the mean.
+  std::uint32_t replicates_per_estimate = 1;
+  std::string note;  // why other samplers do not fit
 };
 
 struct Catalog {

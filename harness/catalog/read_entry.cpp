@@ -141,6 +141,9 @@ Estimator read_estimator(const Json& entry) {
   e.moments = entry["moments"];
   e.interval = entry["interval"];
   e.replicated = entry["replicated"];
+  e.second_moment = entry.value("second_moment", "");
+  e.replicates_per_estimate = entry.value("replicates_per_estimate", 1U);
+  e.note = entry.value("note", "");
   return e;
 }
 

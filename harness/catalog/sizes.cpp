@@ -35,6 +35,7 @@ bool has_form(const std::string& form, std::uint32_t dim, std::uint64_t n) {
   if (form == "even") return n % 2 == 0;
   if (form == "power-of-two") return std::has_single_bit(n);
   if (form == "power-of-d") return saturated_power(integer_root(n, dim), dim) == n;
+  if (form == "twice-power-of-d") return n % 2 == 0 && has_form("power-of-d", dim, n / 2);
   if (form == "rectangle") return is_rectangle(n);
   return true;
 }
@@ -42,6 +43,10 @@ bool has_form(const std::string& form, std::uint32_t dim, std::uint64_t n) {
 // Sizes of a form that are far apart.
 NearestSizes far_apart(const std::string& form, std::uint32_t dim, std::uint64_t n) {
   if (form == "power-of-two") return {std::bit_floor(n), std::bit_floor(n) * 2};
+  if (form == "twice-power-of-d") {
+    const NearestSizes half = far_apart("power-of-d", dim, n / 2);
+    return {2 * *half.below, *half.above > UINT64_MAX / 2 ? UINT64_MAX : 2 * *half.above};
+  }
   const std::uint64_t m = integer_root(n, dim);
   return {saturated_power(m, dim), saturated_power(m + 1, dim)};
 }
@@ -57,7 +62,7 @@ NearestSizes nearest_sizes(const Sampler& sampler, std::uint32_t dim, std::uint6
   const std::uint64_t most = std::uint64_t{1} << sampler.max_log2_n;
   NearestSizes nearest{n, n};
   if (!has_form(form, dim, n)) {
-    if (form == "power-of-two" || form == "power-of-d") {
+    if (form.find("power-of-") != std::string::npos) {
       nearest = far_apart(form, dim, n);
     } else {
       while (*nearest.below > 1 && !has_form(form, dim, *nearest.below)) --*nearest.below;

@@ -1,5 +1,6 @@
 // Which N a point set comes in. The forms are the values of /n/form in kernels/points/*.json:
-//   any · even: 2 m · power-of-two: 2^m · power-of-d: m^d · rectangle: a b with a <= b <= 2 a
+//   any · even: 2 m · power-of-two: 2^m · power-of-d: m^d · twice-power-of-d: 2 m^d · rectangle: a
+//   b with a <= b <= 2 a
 #pragma once
 
 #include <cstdint>

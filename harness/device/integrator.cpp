@@ -94,7 +94,7 @@ double Integrator::for_each_launch(std::uint64_t n, std::uint32_t log2_block,
 double Integrator::run(std::uint64_t n, double y0, const PartialSums& take) {
   const std::uint32_t b = log2_block(n);
   const std::uint64_t blocks = rounded_up(n, std::uint64_t{1} << b) >> b;
-  return run_blocks(n, b, 0, blocks, plan_.cell.replicates, y0, take);
+  return run_blocks(n, b, 0, blocks, plan_.launched_replicates(), y0, take);
 }
 
 double Integrator::run_blocks(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block,
@@ -184,15 +184,15 @@ std::uint64_t Integrator::count_nonfinite(const Catalog& catalog, std::uint64_t 
   const std::uint64_t blocks = rounded_up(n, std::uint64_t{1} << b) >> b;
   const std::uint64_t groups = kLanes / plan_.shape.lanes_per_item;
   const std::uint64_t most = plan_.shape.items_per_launch.value_or(kBlocksPerLaunch);
-  const std::uint64_t items =
-      std::min<std::uint64_t>(blocks * plan_.cell.replicates, std::max<std::uint64_t>(most, 1)) *
-      groups;
+  const std::uint64_t items = std::min<std::uint64_t>(blocks * plan_.launched_replicates(),
+                                                      std::max<std::uint64_t>(most, 1)) *
+                              groups;
   counts_ = device_.allocate(items * sizeof(std::uint64_t));
   checked([&] { return counting_kernel_.setArg(11, counts_); });
   std::uint64_t total = 0;
   std::vector<std::uint64_t> counts;
   for_each_launch(
-      n, b, 0, blocks, plan_.cell.replicates, 0.0, counting_kernel_, [&](const Launch& l) {
+      n, b, 0, blocks, plan_.launched_replicates(), 0.0, counting_kernel_, [&](const Launch& l) {
         counts.resize(l.blocks * l.replicates * groups);
         checked([&] {
           return device_.queue().enqueueReadBuffer(

@@ -156,7 +156,7 @@ PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact
 }
 
 double PreparedCell::once(std::uint64_t n, Sums& sums) {
-  const std::uint32_t replicates = plan_->cell.replicates;
+  const std::uint32_t replicates = plan_->launched_replicates();
   sums.values.assign(replicates, ExactSum{});
   sums.squares.assign(plan_->estimator->moments == 2 ? replicates : 0, ExactSum{});
   return integrator_->run(
@@ -187,19 +187,23 @@ Row PreparedCell::run_row(std::uint64_t n) {
 }
 
 void PreparedCell::summarise(const Sums& sums, Row& row) {
-  std::vector<double> variances;
+  std::vector<double> estimates, variances;
   bool faulty = false;
   for (std::size_t r = 0; r < sums.values.size(); ++r) {
     faulty = faulty || sums.values[r].nonfinite() > 0;
-    row.estimates.push_back(sums.values[r].rounded_quotient(row.n));
+    estimates.push_back(sums.values[r].rounded_quotient(row.n));
     if (sums.squares.empty()) continue;
     const double unit = plan_->stores_doubles() ? 0x1p-53 : 0x1p-24;
-    const auto variance = sample_variance(row.n, sums.values[r], sums.squares[r], y0_, unit);
+    const auto variance = variance_of_replicate(plan_->estimator->second_moment, row.n,
+                                                sums.values[r], sums.squares[r], y0_, unit);
     if (variance) variances.push_back(*variance);
   }
   if (faulty) row.nonfinite = integrator_->count_nonfinite(catalog_, row.n);
+  row.estimates = plan_->estimator->replicates_per_estimate > 1
+                      ? group_medians(estimates, plan_->estimator->replicates_per_estimate)
+                      : estimates;
   row.errors = summarise_errors(row.estimates, exact_.mean);
-  row.estimate = summarise_estimate(*plan_->estimator, {row.estimates, variances, row.n});
+  row.estimate = summarise_estimate(*plan_->estimator, {estimates, variances, row.n});
   if (!declares(plan_->sampler->validity, "iid")) {
     row.mc_test.reason = "the samples are not independent";
     return;

@@ -60,8 +60,9 @@ Json mc_test_json(const McTest& test) {
 // kernel.
 bool launch_bound(const Row& row) { return row.kernel.median < 1e-3; }
 
-Json row_json(const Row& row, const CellResult& result) {
-  const double samples = static_cast<double>(row.n) * result.cell.replicates;
+Json row_json(const Row& row, const CellResult& result, const Plan& plan) {
+  const double samples =
+      static_cast<double>(row.n) * result.cell.replicates * plan.estimator->replicates_per_estimate;
   const double seconds = row.kernel.median / result.cell.replicates;  // of one replicate
   const ErrorStatistics& e = row.errors;
   Json json;
@@ -70,6 +71,7 @@ Json row_json(const Row& row, const CellResult& result) {
   json["estimate"] = number_or_null(row.estimate.value);
   json["standard_error"] = number_or_null(row.estimate.standard_error);
   json["interval"] = interval_json(row.estimate.interval);
+  json["interval_level"] = row.estimate.interval ? Json(row.estimate.level) : Json(nullptr);
   json["interval_reason"] = row.estimate.reason;
   json["rmse"] = number_or_null(e.rmse);
   json["rmse_interval"] = e.rmse_low && e.rmse_high
@@ -163,6 +165,7 @@ Json plan_json(const CellResult& result, const Plan& plan) {
   json["lanes_per_item"] = plan.shape.lanes_per_item;
   json["local_size"] = plan.shape.local_size;
   json["moments"] = plan.estimator->moments;
+  json["replicates_per_estimate"] = plan.estimator->replicates_per_estimate;
   json["build_options"] = plan.program.options;
   json["left_out"] = Json::array();
   for (const LeftOut& item : plan.left_out)
@@ -206,7 +209,7 @@ Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* 
   json["setup_s"] = result.setup_s;
   json["rounding_floor"] = number_or_null(result.floor);
   json["rows"] = Json::array();
-  for (const Row& row : result.rows) json["rows"].push_back(row_json(row, result));
+  for (const Row& row : result.rows) json["rows"].push_back(row_json(row, result, *plan));
   const Integrand& f = catalog.integrand(result.cell.scene.integrand, "scene");
   const auto expected = f.expected.find(catalog.sampler(result.cell.sampler, "sampler").rate_class);
   json["convergence"] =

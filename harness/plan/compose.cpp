@@ -51,6 +51,10 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   for (const auto& [name, value] : plan.sampler->defines) define(name, value);
   if (kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite) {
     define("KOKSMA_MOMENTS", plan.estimator->moments);
+    if (plan.estimator->moments == 2)
+      define("KOKSMA_SQUARES_OF", plan.estimator->second_moment == "values"       ? 0
+                                  : plan.estimator->second_moment == "pair-means" ? 1
+                                                                                  : 2);
     define("KOKSMA_SUM_WORDS", plan.sum->words);
     define("KOKSMA_COUNT_NONFINITE", kind == ProgramKind::count_nonfinite ? 1 : 0);
   } else {

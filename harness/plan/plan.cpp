@@ -158,13 +158,22 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
   plan.shape = shape
                    ? *shape
                    : shape_for(device, *plan.sampler, plan.integrand, cell.scene.dim, plan.fp64());
+  // Pairs of samples are neighbouring lanes, so an item must hold both.
+  if (plan.estimator->second_moment.starts_with("pair"))
+    plan.shape.lanes_per_item = std::max(plan.shape.lanes_per_item, 4U);
   plan.cell.n.clear();
   for (const std::uint64_t n : cell.n)
     (resolves(plan, n) ? plan.cell.n : plan.refused_n).push_back(n);
   if (plan.cell.n.empty()) refuse_resolution(plan, cell.n.front());
-  plan.request = {plan.sampler->options, cell.scene.dim,  plan.fp64(),
-                  plan.cell.n.back(),    cell.replicates, cell.seed,
-                  directions_file,       nullptr,         {}};
+  plan.request = {plan.sampler->options,
+                  cell.scene.dim,
+                  plan.fp64(),
+                  plan.cell.n.back(),
+                  plan.launched_replicates(),
+                  cell.seed,
+                  directions_file,
+                  nullptr,
+                  {}};
   plan_preparation(catalog, plan, device);
   plan.program = compose(catalog, plan, ProgramKind::integrate);
   note_what_is_left_out(plan);

@@ -70,6 +70,10 @@ struct Plan {
 
   bool fp64() const { return precision == Precision::fp64; }
   bool stores_doubles() const { return sum->needs_fp64 || fp64(); }
+  // Randomizations that a launch of all estimates runs.
+  std::uint32_t launched_replicates() const {
+    return cell.replicates * estimator->replicates_per_estimate;
+  }
   // Words per partial sum, all moments.
   std::uint32_t words() const { return sum->words * estimator->moments; }
 };

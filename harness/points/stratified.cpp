@@ -7,7 +7,8 @@ namespace koksma {
 
 PointTable build_stratified(const PointRequest& request) {
   const bool pairs = request.options.at("grid") == "pairs";
-  const std::uint32_t side = cube_side(request.end_index, request.dim);
+  const std::uint64_t draws = request.options.value("draws", std::uint64_t{1});
+  const std::uint32_t side = cube_side(request.end_index / draws, request.dim);
   const Grid grid = pairs ? nearest_square(request.end_index) : Grid{side, side};
   const std::uint32_t grids = pairs ? (request.dim + 1) / 2 : 1;
   PointTable table{{grid.columns, grid.rows}};

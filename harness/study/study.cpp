@@ -118,7 +118,8 @@ struct BlockReader {
       throw InputError(
           where,
           fmt::format("estimator '{}' does not fit sampler '{}'", estimator.name, sampler.name),
-          fmt::format("these do: {}", fmt::join(fitting_estimators(catalog, sampler), ", ")));
+          fmt::format("{}{}these do: {}", estimator.note, estimator.note.empty() ? "" : "; ",
+                      fmt::join(fitting_estimators(catalog, sampler), ", ")));
     cell.estimator = estimator.name;
     const std::uint32_t fallback =
         block.value("replicates", study.value("replicates", std::uint32_t{32}));
@@ -178,6 +179,7 @@ void check_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t n,
   static const std::map<std::string, std::string> forms{{"even", "an even number"},
                                                         {"power-of-two", "a power of two"},
                                                         {"power-of-d", "m^d"},
+                                                        {"twice-power-of-d", "2 m^d"},
                                                         {"rectangle", "a b with a <= b <= 2 a"}};
   const NearestSizes nearest = nearest_sizes(sampler, dim, n);
   std::vector<std::uint64_t> sizes;
@@ -186,7 +188,7 @@ void check_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t n,
   throw InputError(
       where, fmt::format("N = {} for sampler '{}'", n, sampler.name),
       fmt::format("it needs {}{}; the nearest {} {}", forms.at(sampler.size_form),
-                  sampler.size_form == "power-of-d" ? fmt::format(", d = {}", dim) : "",
+                  sampler.size_form.ends_with("power-of-d") ? fmt::format(", d = {}", dim) : "",
                   sizes.size() == 1 ? "is" : "are", fmt::join(sizes, " and ")));
 }
 

@@ -5,6 +5,7 @@
 //   KOKSMA_STRATIFIED_JITTER 0: sample i is the centre of cell i, (k + 1/2) / m cut off to the coordinate's bits.
 //   KOKSMA_STRATIFIED_JITTER 1: a uniform point of its cell (Cook 1986); the cells come in random order, so that every
 //   sample by itself is uniform over the cube.
+// KOKSMA_STRATIFIED_DRAWS 2: samples 2i and 2i + 1 are two uniform points of the same cell, N = 2 m^d.
 // KOKSMA_STRATIFIED_PAIRS 1: the a x b cells of dimensions (0,1), of (2,3), ..., each in a random order of its own, and
 // N strata of an odd last dimension: patterns of few dimensions, associated at random (Cook 1986; Pharr, Jakob &
 // Humphreys, Physically Based Rendering, section 7.3). Even dimensions have a strata, odd ones b.
@@ -44,14 +45,14 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
   p->all = strata_of((uint)n);
 #endif
 #if KOKSMA_STRATIFIED_JITTER
-  p->order = bijection_on(n);
+  p->order = bijection_on(n / KOKSMA_STRATIFIED_DRAWS);
   p->keys = table + 2 + (ulong)replicate * KOKSMA_STRATIFIED_GRIDS * 2;
 #endif
 }
 
 // The cell of these samples in grid g.
 static inline words32 points_cell(const points *p, uint g) {
-  const words32 i = lane_numbers() + (uint)p->index;
+  const words32 i = (lane_numbers() + (uint)p->index) / KOKSMA_STRATIFIED_DRAWS;
 #if KOKSMA_STRATIFIED_JITTER
   return permute(i, p->order, (words32)(uint)p->keys[2 * g], (words32)(uint)p->keys[2 * g + 1]);
 #else
