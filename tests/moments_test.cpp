@@ -1,9 +1,7 @@
-// Moments of the integrands, the normal quantile, what results say of times and sums by default.
-#include <boost/math/distributions/normal.hpp>
+// Moments of the integrands, what results say of times and sums by default.
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "catalog/embedded.hpp"
 #include "estimate/measure.hpp"
 #include "journal/cell_json.hpp"
 #include "tests/support.hpp"
@@ -40,56 +38,6 @@ TEST_CASE("sampled variances and mean absolute values meet the exact ones", "[st
     if (exact.mean_abs) meets([](double y) { return std::fabs(y); }, *exact.mean_abs);
     if (exact.mean && exact.variance)
       meets([&](double y) { return std::pow(y - *exact.mean, 2); }, *exact.variance);
-  }
-}
-
-TEST_CASE("the normal quantile is within 8 ulp of Boost's from 2^-53 to 1 - 2^-53, in every branch",
-          "[device]") {
-  for (const bool fp64 : {false, true}) {
-    std::string text =
-        "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_DIM 1\n#define KOKSMA_CENTRED 1\n";
-    text += fp64 ? "#define KOKSMA_FP64 1\n" : "#define KOKSMA_FP64 0\n";
-    text += embedded_text("kernels/prelude.cl");
-    text += test::catalog().transform("normal").code.text;
-    text +=
-        "__kernel void quantiles(__global const scalar *x, __global scalar *out) {\n"
-        "  out[get_global_id(0)] = normal_quantile(x[get_global_id(0)]);\n}\n";
-    // Grid points (k + 1/2) 2^-m near every power of two, and their mirrors.
-    const int bits = fp64 ? 52 : 23;
-    std::vector<double> x;
-    for (int e = 0; e < bits; ++e)
-      for (const double part : {1.0, 1.17, 1.39, 1.61, 1.83}) {
-        const double k = std::floor(std::ldexp(part, e));
-        x.push_back(std::ldexp(k + 0.5, -bits));
-        x.push_back(1 - x.back());
-      }
-    x.push_back(std::ldexp(0.5, -bits));
-    const std::vector<float> narrow(x.begin(), x.end());
-    std::vector<double> wide(x.size());
-    std::vector<float> single(x.size());
-    Device& device = test::device();
-    const std::size_t bytes = x.size() * (fp64 ? 8 : 4);
-    const cl::Buffer in =
-        device.upload(fp64 ? static_cast<const void*>(x.data()) : narrow.data(), bytes);
-    const cl::Buffer out = device.allocate(bytes);
-    cl::Kernel kernel(device.build({"quantiles", text, "-cl-std=CL1.2 -w"}).program, "quantiles");
-    kernel.setArg(0, in);
-    kernel.setArg(1, out);
-    device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(x.size()),
-                                        cl::NDRange(1));
-    device.queue().enqueueReadBuffer(out, CL_TRUE, 0, bytes,
-                                     fp64 ? static_cast<void*>(wide.data()) : single.data());
-    const boost::math::normal_distribution<long double> normal;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const long double expected = quantile(normal, static_cast<long double>(x[i]));
-      const double size = std::fabs(static_cast<double>(expected));
-      const double ulp =
-          fp64 ? std::nextafter(size, INFINITY) - size
-               : std::nextafterf(static_cast<float>(size), INFINITY) - static_cast<float>(size);
-      const double value = fp64 ? wide[i] : single[i];
-      INFO("fp64 " << fp64 << " x = " << x[i] << ": " << value);
-      CHECK(std::fabs(static_cast<double>(value - expected)) <= 8 * ulp);
-    }
   }
 }
 
