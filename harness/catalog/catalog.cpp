@@ -153,6 +153,10 @@ bool fits(const Estimator& estimator, const Sampler& sampler) {
          });
 }
 
+std::string rate_class(const Sampler& sampler, const Estimator& estimator) {
+  return sampler.rate_class + estimator.rate_suffix;
+}
+
 std::vector<std::string> fitting_estimators(const Catalog& catalog, const Sampler& sampler) {
   std::vector<std::string> names;
   for (const Estimator& estimator : catalog.estimators)

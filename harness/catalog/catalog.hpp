@@ -133,7 +133,8 @@ struct Estimator {
   bool replicated = false;
   // Randomizations whose median is one estimate (an odd number); 1: the estimate is the mean.
   std::uint32_t replicates_per_estimate = 1;
-  std::string note;  // why other samplers do not fit
+  std::string rate_suffix;  // of the rate class of its estimates, behind the sampler's
+  std::string note;         // why other samplers do not fit
 };
 
 struct Catalog {
@@ -164,6 +165,10 @@ Catalog load_catalog(const std::vector<std::string>& integrand_files = {});
 
 // True when the estimator's conditions hold for the sampler (6-definitions 12).
 bool fits(const Estimator& estimator, const Sampler& sampler);
+
+// The key into an integrand's expected rates: of the sampler's means, or of what the estimator
+// makes of them.
+std::string rate_class(const Sampler& sampler, const Estimator& estimator);
 
 // The names of the estimators that fit, in catalog order.
 std::vector<std::string> fitting_estimators(const Catalog& catalog, const Sampler& sampler);

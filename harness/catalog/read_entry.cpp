@@ -143,6 +143,7 @@ Estimator read_estimator(const Json& entry) {
   e.replicated = entry["replicated"];
   e.second_moment = entry.value("second_moment", "");
   e.replicates_per_estimate = entry.value("replicates_per_estimate", 1U);
+  e.rate_suffix = entry.value("rate_suffix", "");
   e.note = entry.value("note", "");
   return e;
 }

@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
   koksma::add_list(app, action);
   koksma::add_explain(app, action);
   koksma::add_points(app, action);
+  koksma::add_study(app, action);
   koksma::add_quality(app, action, joined(argc, argv));
   try {
     app.parse(argc, argv);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -57,10 +58,12 @@ class Run {
   // JSON of every cell, in the study's order.
   Json cells() {
     Device exact_device = Device::choose_exact(device_);
+    find_unknown_integrals(exact_device);
     for (const Cell& cell : study_.cells) slots_.push_back(prepare(cell, exact_device));
-    Json cells = Json::array();
+    std::vector<Json> cells(slots_.size());
+    for (const auto& [scene, candidates] : unknown_) measure_reference(scene, candidates, cells);
     for (std::size_t i = 0; i < slots_.size(); ++i)
-      cells.push_back(finish(study_.cells[i], slots_[i]));
+      if (cells[i].is_null()) cells[i] = finish(study_.cells[i], slots_[i]);
     progress_.clear();
     return cells;
   }
@@ -68,9 +71,55 @@ class Run {
   bool failed() const { return failed_; }
 
  private:
+  // Scenes whose integral nobody knows, with their cells, the best promise first.
+  void find_unknown_integrals(Device& exact_device) {
+    std::map<std::string, bool> unknown;
+    for (std::size_t i = 0; i < study_.cells.size(); ++i) {
+      const Scene& scene = study_.cells[i].scene;
+      const auto [place, fresh] = unknown.try_emplace(scene.text);
+      if (fresh) {
+        const Integrand& f = catalog_.integrand(scene.integrand, "scene");
+        place->second = is_unknown(exact_device, f, scene);
+      }
+      if (place->second) unknown_[scene.text].push_back(i);
+    }
+    for (auto& [scene, candidates] : unknown_)
+      candidates = by_promise(catalog_, study_.cells, candidates);
+  }
+
+  static bool is_unknown(Device& exact_device, const Integrand& f, const Scene& scene) {
+    try {
+      const ExactValues exact = compute_exact(exact_device, f, scene);
+      return !exact.mean && !exact.mean_undefined;
+    } catch (const BuildError&) {  // the cell's own row will tell
+      return false;
+    }
+  }
+
+  // Runs cells of a scene until one gives an estimate, which the others are then measured against.
+  void measure_reference(const std::string& scene, const std::vector<std::size_t>& candidates,
+                         std::vector<Json>& cells) {
+    for (const std::size_t i : candidates) {
+      cells[i] = finish(study_.cells[i], slots_[i]);
+      if (const auto found = reference_from(cells[i])) {
+        references_[scene] = *found;
+        return;
+      }
+    }
+  }
+
+  // What decides a cell's numbers, and so whether a journal's cell is this one: of a scene without
+  // a known integral also the cell that errors are against.
+  Json identity_of(const Cell& cell) const {
+    Json identity = cell_identity(cell);
+    if (const auto found = unknown_.find(cell.scene.text); found != unknown_.end())
+      identity["reference"] = cell_identity(study_.cells[found->second.front()]);
+    return identity;
+  }
+
   Slot prepare(const Cell& cell, Device& exact_device) {
     Slot slot;
-    slot.identity = cell_identity(cell);
+    slot.identity = identity_of(cell);
     if (const auto finished = journal_.finished(slot.identity)) {
       slot.json = *finished;
       return slot;
@@ -93,6 +142,11 @@ class Run {
     return slot;
   }
 
+  std::optional<Reference> reference_of(const Cell& cell) const {
+    const auto found = references_.find(cell.scene.text);
+    return found == references_.end() ? std::nullopt : std::optional(found->second);
+  }
+
   void fail(Slot& slot, const Cell& cell, const std::string& reason) {
     failed_ = true;
     progress_.clear();
@@ -104,7 +158,8 @@ class Run {
     if (slot.prepared != nullptr) {
       progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
       try {
-        slot.json = cell_to_json(catalog_, slot.prepared->run(), &slot.prepared->plan());
+        slot.json =
+            cell_to_json(catalog_, slot.prepared->run(reference_of(cell)), &slot.prepared->plan());
       } catch (const std::exception& error) {
         fail(slot, cell, error.what());
       }
@@ -127,6 +182,8 @@ class Run {
   Journal& journal_;
   Progress progress_;
   std::vector<Slot> slots_;
+  std::map<std::string, std::vector<std::size_t>> unknown_;  // by scene: cells
+  std::map<std::string, Reference> references_;              // by scene
   bool failed_ = false;
 };
 
@@ -225,7 +282,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
                    "NAME or NAME:key=value (see koksma list samplers); repeatable")
       ->allow_extra_args(false);
   verb->add_option("--estimator", options->flags.estimator,
-                   "mc, qmc or rqmc; default: what fits the sampler");
+                   "see koksma list estimators; default: what fits the sampler");
   verb->add_option("--n", options->flags.n,
                    "sample counts: 2^8..2^20, 1000, or a list with commas");
   verb->add_option("--replicates", options->flags.replicates, "independent randomizations per N")

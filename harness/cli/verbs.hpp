@@ -22,6 +22,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line);
 void add_list(CLI::App& app, Action& action);
 void add_explain(CLI::App& app, Action& action);
 void add_points(CLI::App& app, Action& action);
+void add_study(CLI::App& app, Action& action);
 void add_quality(CLI::App& app, Action& action, const std::string& command_line);
 
 }  // namespace koksma

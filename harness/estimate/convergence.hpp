@@ -91,6 +91,9 @@ inline constexpr std::size_t kFewestForInterval = 8;
 // and a gate that does not hold there is dropped.
 ExpectedRate rate_at(ExpectedRate rate, std::span<const double> parameters);
 
+// The slope that is expected at these parameters and d ≥ 1.
+double expected_slope(const ExpectedRate& rate, std::span<const double> parameters, unsigned d);
+
 // `expected` is one of rate_at. d ≥ 1. Within the gate is |slope − target| ≤ tolerance, or slope ≤
 // target where it is one-sided. Heavy tails, a deterministic fit, d above the gate and R < 32 turn
 // a gate into "reported".

@@ -1,5 +1,7 @@
 #include "estimate/measure.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -77,13 +79,19 @@ bool declares(const std::vector<std::string>& values, std::string_view value) {
   return std::find(values.begin(), values.end(), value) != values.end();
 }
 
+// An error can not be seen below that of the reference.
+double reference_floor(const CellResult& result) {
+  return result.reference ? result.reference->standard_error.value_or(0) : 0;
+}
+
 RateFit fit(const CellResult& result, const Plan& plan) {
   std::vector<ConvergenceRow> rows;
+  const double truth = result.exact.mean ? *result.exact.mean : result.reference->value;
   for (const Row& row : result.rows) {
     ConvergenceRow r;
     r.samples = row.n;
-    for (const double q : row.estimates) r.errors.push_back(q - *result.exact.mean);
-    r.floor = rounding_floor(plan, result.exact, row.n);
+    for (const double q : row.estimates) r.errors.push_back(q - truth);
+    r.floor = std::max(rounding_floor(plan, result.exact, row.n), reference_floor(result));
     r.mean_abs = scale_of(result.exact);
     r.n_eff = effective_samples(result.exact, row.n);
     rows.push_back(std::move(r));
@@ -222,7 +230,22 @@ void PreparedCell::summarise(const Sums& sums, Row& row) {
   }
 }
 
-CellResult PreparedCell::run() {
+// Errors against an estimate, where the integral is not known.
+void PreparedCell::take_errors(CellResult& result,
+                               const std::optional<Reference>& reference) const {
+  if (exact_.mean || exact_.mean_undefined) return;
+  const Row& last = result.rows.back();
+  if (reference)
+    result.reference = reference;
+  else if (last.estimate.value)
+    result.reference = {*last.estimate.value, last.estimate.standard_error,
+                        fmt::format("this cell at N = {}", last.n)};
+  if (!result.reference) return;
+  for (Row& row : result.rows)
+    row.errors = summarise_errors(row.estimates, result.reference->value);
+}
+
+CellResult PreparedCell::run(const std::optional<Reference>& reference) {
   CellResult result;
   result.cell = plan_->cell;
   result.exact = exact_;
@@ -231,8 +254,9 @@ CellResult PreparedCell::run() {
   result.setup_s = integrator_->setup_s();
   result.table_bytes = integrator_->table_bytes();
   result.coefficient_bytes = integrator_->coefficient_bytes();
+  take_errors(result, reference);
   result.floor = rounding_floor(*plan_, exact_, plan_->cell.n.back());
-  if (exact_.mean) {
+  if (exact_.mean || result.reference) {
     result.rate = fit(result, *plan_);
   } else {
     result.rate.reason = "no exact value";
@@ -240,7 +264,7 @@ CellResult PreparedCell::run() {
   for (const std::uint64_t n : plan_->refused_n)
     result.rate.excluded.push_back({n, "not run: more points than the precision can tell apart"});
   const auto& expected = plan_->integrand->expected;
-  const auto found = expected.find(plan_->sampler->rate_class);
+  const auto found = expected.find(rate_class(*plan_->sampler, *plan_->estimator));
   result.verdict = judge(result.rate,
                          found == expected.end()
                              ? std::nullopt

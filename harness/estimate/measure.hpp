@@ -12,6 +12,7 @@
 #include "estimate/convergence.hpp"
 #include "estimate/estimators.hpp"
 #include "estimate/mc_test.hpp"
+#include "estimate/reference.hpp"
 #include "estimate/statistics.hpp"
 
 namespace koksma {
@@ -43,6 +44,7 @@ struct CellResult {
   CellStatus status = CellStatus::ok;
   std::string reason;
   ExactValues exact;
+  std::optional<Reference> reference;  // where the integral is not known
   double build_s = 0, setup_s = 0;
   std::size_t table_bytes = 0, coefficient_bytes = 0;
   double floor = 0;  // estimated rms error level of rounding, in the unit of the integral
@@ -57,8 +59,9 @@ class PreparedCell {
  public:
   PreparedCell(const Catalog& catalog, Device& device, Device& exact_device, Plan plan);
 
-  // All rows; a row that cannot be finished throws. Called once.
-  CellResult run();
+  // All rows; a row that cannot be finished throws. Called once. Where the integral is not known,
+  // errors are against `reference`, or without one against the cell's own last estimate.
+  CellResult run(const std::optional<Reference>& reference = std::nullopt);
   // One row, untimed repeats and all.
   Row run_row(std::uint64_t n);
 
@@ -71,6 +74,7 @@ class PreparedCell {
   struct Sums;
   double once(std::uint64_t n, Sums& sums);
   void summarise(const Sums& sums, Row& row);
+  void take_errors(CellResult& result, const std::optional<Reference>& reference) const;
 
   const Catalog& catalog_;
   std::unique_ptr<Plan> plan_;  // the integrator keeps a reference

@@ -40,11 +40,15 @@ ExpectedRate rate_at(ExpectedRate rate, std::span<const double> parameters) {
   return rate;
 }
 
+double expected_slope(const ExpectedRate& rate, std::span<const double> parameters, unsigned d) {
+  const ExpectedRate here = rate_at(rate, parameters);
+  return std::max(here.constant + here.per_dimension / d, here.at_least.value_or(-INFINITY));
+}
+
 RateVerdict judge(const RateFit& rate, const std::optional<ExpectedRate>& expected, unsigned d) {
   RateVerdict result;
   if (expected) {
-    result.expected = expected->constant + expected->per_dimension / d;
-    if (expected->at_least) result.expected = std::max(*result.expected, *expected->at_least);
+    result.expected = expected_slope(*expected, {}, d);
     if (expected->gate_max_d) {
       const double correction =
           expected->log_correction ? (d - 1) / (2 * mean_log_samples(rate)) : 0;

@@ -73,6 +73,9 @@ Json row_json(const Row& row, const CellResult& result, const Plan& plan) {
   json["interval"] = interval_json(row.estimate.interval);
   json["interval_level"] = row.estimate.interval ? Json(row.estimate.level) : Json(nullptr);
   json["interval_reason"] = row.estimate.reason;
+  json["error_against"] = result.exact.mean  ? Json("exact value")
+                          : result.reference ? Json("own best estimate")
+                                             : Json(nullptr);
   json["rmse"] = number_or_null(e.rmse);
   json["rmse_interval"] = e.rmse_low && e.rmse_high
                               ? interval_json(Interval{*e.rmse_low, *e.rmse_high})
@@ -133,8 +136,9 @@ Json convergence_json(const CellResult& result, const ExpectedRate* expected) {
 // the rows that measure the kernel and not its launch.
 Json efficiency_json(const CellResult& result) {
   Json json = {{"relative_to", nullptr}, {"time_to_tolerance", Json::array()}};
-  if (!result.exact.mean) return json;
-  const double scale = *result.exact.mean != 0 ? std::fabs(*result.exact.mean) : 1;
+  if (!result.exact.mean && !result.reference) return json;
+  const double truth = result.exact.mean ? *result.exact.mean : result.reference->value;
+  const double scale = truth != 0 ? std::fabs(truth) : 1;
   json["relative_to"] = scale;
   std::vector<TimePoint> points;
   double largest = 0;
@@ -207,11 +211,18 @@ Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* 
   json["plan"] = plan != nullptr ? plan_json(result, *plan) : Json(nullptr);
   json["build_s"] = result.build_s;
   json["setup_s"] = result.setup_s;
+  json["reference"] = nullptr;
+  if (result.reference)
+    json["reference"] = {{"value", number_or_null(result.reference->value)},
+                         {"standard_error", number_or_null(result.reference->standard_error)},
+                         {"from", result.reference->from}};
   json["rounding_floor"] = number_or_null(result.floor);
   json["rows"] = Json::array();
   for (const Row& row : result.rows) json["rows"].push_back(row_json(row, result, *plan));
   const Integrand& f = catalog.integrand(result.cell.scene.integrand, "scene");
-  const auto expected = f.expected.find(catalog.sampler(result.cell.sampler, "sampler").rate_class);
+  const auto expected =
+      f.expected.find(rate_class(catalog.sampler(result.cell.sampler, "sampler"),
+                                 catalog.estimator(result.cell.estimator, "estimator")));
   json["convergence"] =
       convergence_json(result, expected == f.expected.end() ? nullptr : &expected->second);
   json["efficiency"] = efficiency_json(result);

@@ -34,6 +34,7 @@ std::string marks(const Json& cell, const Json& row) {
   if (row["nonfinite"].get<std::uint64_t>() > 0)
     add(fmt::format("non-finite:{}", row["nonfinite"].get<std::uint64_t>()));
   if (row["grid_limited"] == true) add("grid-limited");
+  if (row["error_against"] == "own best estimate") add("own-estimate");
   const std::string verdict = cell["convergence"]["verdict"];
   if (verdict == "within-gate" || verdict == "outside-gate") add(verdict);
   if (verdict == "no-rate" && !cell["convergence"]["reason"].get<std::string>().empty())
@@ -80,6 +81,11 @@ constexpr const char* kLegend =
     "coordinates generated, evaluated and summed per second. heavy-tailed: believe the median, not "
     "the RMSE.\n";
 
+constexpr const char* kOwnEstimateLegend =
+    "own-estimate: the integral is not known; errors are against the run's own best estimate, "
+    "named "
+    "in the results as\n\"reference\" with its standard error.\n";
+
 }  // namespace
 
 std::string results_table(const Json& results) {
@@ -100,6 +106,8 @@ std::string results_table(const Json& results) {
       out += c + 1 < line.size() ? padded(line[c], widths[c] + 2) : line[c];
     text += out.substr(0, out.find_last_not_of(' ') + 1) + "\n";
   }
+  for (const Json& cell : results["cells"])
+    if (cell["reference"].is_object()) return text + "\n" + kLegend + kOwnEstimateLegend;
   return text + "\n" + kLegend;
 }
 

@@ -15,7 +15,7 @@
 namespace koksma {
 namespace {
 
-constexpr std::string_view kDefaultStudy = "harness/study/default.study.json";
+constexpr std::string_view kDefaultStudy = "harness/study/studies/default.json";
 constexpr std::string_view kSizesHelp =
     "write 2^8..2^20, 2^10, 1000, or a comma-separated list of these";
 
