@@ -86,7 +86,7 @@ PointTable build_wang(const PointRequest& request) {
   const WangTiles tiles = make_wang_tiles(request.seed, request.options.at("minimum_distance"));
   PointTable table;
   // Eight types a word.
-  for (const std::size_t half : {0, 8})
+  for (const std::size_t half : {0U, 8U})
     for (std::size_t cell = 0; cell < kWangCells; ++cell) {
       std::uint64_t word = 0;
       for (std::size_t k = 0; k < 8; ++k)
