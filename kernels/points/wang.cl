@@ -7,7 +7,8 @@
 // Bayer, ICC 1973). Then the whole square is shifted at random modulo 1.
 // Keys, per replicate: quartet 0 of purpose 11, index 0: shift x, shift y, colours of the 4 x 4 tiles' edges (high half).
 // Table (words): the rule, [types 0 ... 7, types 8 ... 15][cell], 4 bits a type; then x and y [rank][type] in units of
-// 2^-32 tiles (items of nearby indices share the rank). Type = left | right << 1 | lower << 2 | upper << 3, cell = column | row << 2.
+// 2^-32 tiles (items of nearby indices share the rank). Type = left | right << 1 | lower << 2 | upper << 3; cell =
+// column | row << 2.
 
 typedef struct {
   __global const word *table;
