@@ -1,7 +1,7 @@
 // Recursive Wang tiles with one point in every cell (harness/points/wang.cpp ranks the points of a
 // tile). A rule cuts each of 16 tiles, of two colours per direction, into 4 x 4 cells that are such
 // tiles again and fit wherever the tiles did (J. Kopf, D. Cohen-Or, O. Deussen & D. Lischinski,
-// Recursive Wang tiles for real-time blue noise, SIGGRAPH 2006, section 4). The point of a cell is
+// Recursive Wang tiles for real-time blue noise, SIGGRAPH 2006). The point of a cell is
 // the point of one of the cell's own 16 cells, so that the points of a level are among those of the
 // next, exactly: the choice of the sub-cells is an iterated function system, and its fixed point
 // are the positions.
