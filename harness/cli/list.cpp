@@ -59,6 +59,7 @@ Json list_integrands(const Catalog& catalog) {
                     {"class", f.smoothness},
                     {"dimensions", fmt::format("{}..{}", f.min_dim, f.max_dim)},
                     {"truth", truth(f.mean)},
+                    {"source", f.mean.source},
                     {"citation", f.citation},
                     {"parameters", parameters},
                     {"file", f.code.path}});
@@ -116,6 +117,23 @@ Json list_all_devices() {
   return list;
 }
 
+// Integrands by columns: what they are, where, how their integral is known and from what.
+void print_integrands(const Json& list) {
+  std::size_t name = 0, kind = 0, dimensions = 0;
+  for (const Json& entry : list) {
+    name = std::max(name, entry["name"].get<std::string>().size());
+    kind = std::max(kind, entry["class"].get<std::string>().size());
+    dimensions = std::max(dimensions, entry["dimensions"].get<std::string>().size());
+  }
+  for (const Json& entry : list) {
+    const std::string source = entry["source"];
+    fmt::print("{:<{}}  {:<{}}  d {:<{}}  {}{}{}; {}\n", entry["name"].get<std::string>(), name,
+               entry["class"].get<std::string>(), kind, entry["dimensions"].get<std::string>(),
+               dimensions, entry["truth"].get<std::string>(), source.empty() ? "" : ": ", source,
+               entry["title"].get<std::string>());
+  }
+}
+
 void print_list(const Json& list) {
   if (list.empty()) fmt::print("none in this version\n");
   std::size_t width = 0;
@@ -123,9 +141,6 @@ void print_list(const Json& list) {
   for (const Json& entry : list) {
     fmt::print("{:<{}}  {}", entry["name"].get<std::string>(), width,
                entry["title"].get<std::string>());
-    if (entry.contains("class"))
-      fmt::print("  [{}; d {}; truth: {}]", entry["class"].get<std::string>(),
-                 entry["dimensions"].get<std::string>(), entry["truth"].get<std::string>());
     if (entry.contains("estimators"))
       fmt::print("  [{}]", fmt::join(entry["estimators"].get<std::vector<std::string>>(), ", "));
     if (entry.contains("platform"))
@@ -156,6 +171,8 @@ int list(const ListOptions& options) {
   const Json result = found->second();
   if (options.json)
     fmt::print("{}\n", result.dump(1));
+  else if (options.kind == "integrands")
+    print_integrands(result);
   else
     print_list(result);
   return kAllOk;
