@@ -60,9 +60,9 @@ Json mc_test_json(const McTest& test) {
 // kernel.
 bool launch_bound(const Row& row) { return row.kernel.median < 1e-3; }
 
-Json row_json(const Row& row, const CellResult& result, const Plan& plan) {
+Json row_json(const Row& row, const CellResult& result, const Estimator& estimator) {
   const double samples =
-      static_cast<double>(row.n) * result.cell.replicates * plan.estimator->replicates_per_estimate;
+      static_cast<double>(row.n) * result.cell.replicates * estimator.replicates_per_estimate;
   const double seconds = row.kernel.median / result.cell.replicates;  // of one replicate
   const ErrorStatistics& e = row.errors;
   Json json;
@@ -218,7 +218,8 @@ Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* 
                          {"from", result.reference->from}};
   json["rounding_floor"] = number_or_null(result.floor);
   json["rows"] = Json::array();
-  for (const Row& row : result.rows) json["rows"].push_back(row_json(row, result, *plan));
+  const Estimator& estimator = catalog.estimator(result.cell.estimator, "estimator");
+  for (const Row& row : result.rows) json["rows"].push_back(row_json(row, result, estimator));
   const Integrand& f = catalog.integrand(result.cell.scene.integrand, "scene");
   const auto expected =
       f.expected.find(rate_class(catalog.sampler(result.cell.sampler, "sampler"),
