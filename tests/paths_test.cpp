@@ -33,11 +33,11 @@ using Matrix = std::vector<std::vector<double>>;  // [draw or time][normal]
 // slots, scale.
 Matrix bridge_paths(const std::vector<double>& c, std::uint32_t dim) {
   Matrix slots(16, std::vector<double>(dim)), paths;
-  for (std::uint32_t k = 0; k < dim; ++k) {
-    const auto at = static_cast<std::uint32_t>(c[5 * k + 3]);
+  for (std::size_t k = 0; k < dim; ++k) {
+    const auto at = static_cast<std::size_t>(c[5 * k + 3]);
     const std::vector<double>&left = slots.at(at & 15), &right = slots.at(at >> 4 & 15);
     std::vector<double> path(dim);
-    for (std::uint32_t j = 0; j < dim; ++j)
+    for (std::size_t j = 0; j < dim; ++j)
       path[j] = c[5 * k] * left[j] + (k == 0 ? 0 : c[5 * k + 1] * right[j]);
     path[k] += c[5 * k + 2];
     slots.at(at >> 8) = path;
@@ -48,10 +48,10 @@ Matrix bridge_paths(const std::vector<double>& c, std::uint32_t dim) {
 
 // Log prices by principal components, by time, from its table.
 Matrix component_paths(const std::vector<double>& table, std::uint32_t dim) {
-  const std::uint32_t period = 4 * dim + 2;
+  const std::size_t period = 4 * std::size_t{dim} + 2;
   Matrix paths(dim, std::vector<double>(dim));
-  for (std::uint32_t i = 0; i < dim; ++i)
-    for (std::uint32_t j = 0; j < dim; ++j)
+  for (std::size_t i = 0; i < dim; ++i)
+    for (std::size_t j = 0; j < dim; ++j)
       paths[i][j] = table[(2 * j + 1) * (i + 1) % period] * table[period + j];
   return paths;
 }
@@ -64,8 +64,8 @@ void check_covariances(const Matrix& paths, std::uint32_t dim) {
   const double unit = kSigma * kSigma * kTime / dim;
   std::vector<double> times, expected(dim);
   for (const auto& path : paths) times.push_back(std::round(product(path, path) / unit));
-  for (std::uint32_t i = 0; i < dim; ++i)
-    for (std::uint32_t l = 0; l <= i; ++l)
+  for (std::size_t i = 0; i < dim; ++i)
+    for (std::size_t l = 0; l <= i; ++l)
       CHECK(product(paths[i], paths[l]) ==
             Approx(unit * std::min(times[i], times[l])).epsilon(1e-12).margin(1e-15));
   std::sort(times.begin(), times.end());
@@ -103,7 +103,7 @@ TEST_CASE("the weights of the geometric mean have the squares' sum that its law 
          {1U, 2U, 3U, 5U, 6U, 7U, 9U, 31U, 32U, 33U, 100U, 1000U, 1024U}) {
       const std::vector<double> c = exact_of(name, dim).coefficients;
       double squares = 0;
-      for (std::uint32_t j = 0; j < dim; ++j) squares += c[3 * j] * c[3 * j];
+      for (std::size_t j = 0; j < dim; ++j) squares += c[3 * j] * c[3 * j];
       const double d = dim;
       INFO(name << " d = " << dim);
       CHECK(squares ==
@@ -134,14 +134,14 @@ TEST_CASE("the depth-first bridge gives its points the dimensions of the order b
     CHECK(exact.dimension_order.front() == 0);
     // Level of the point that each dimension belongs to; the end is level 0.
     std::vector<std::uint32_t> levels(dim, 99);
-    for (std::uint32_t k = 0; k < dim; ++k)
+    for (std::size_t k = 0; k < dim; ++k)
       levels.at(exact.dimension_order[k]) =
           static_cast<std::uint32_t>(exact.coefficients[5 * k + 3]) >> 8;
     CHECK(std::is_sorted(levels.begin(), levels.end()));
     CHECK(levels.back() == (dim == 1 ? 0 : std::bit_width(dim - 1)));
     auto order = exact.dimension_order;
     std::sort(order.begin(), order.end());
-    for (std::uint32_t k = 0; k < dim; ++k) REQUIRE(order[k] == k);
+    for (std::size_t k = 0; k < dim; ++k) REQUIRE(order[k] == k);
   }
 }
 
