@@ -69,6 +69,7 @@ struct ExactSource {
   enum class Kind { formula, mean, constant, table, none, undefined } kind = Kind::none;
   std::optional<double> value;  // of a constant
   double tolerance = 1e-13;     // relative error of a formula
+  bool infinite = false;        // an infinite result is one, not an overflow
   std::string source;
 };
 

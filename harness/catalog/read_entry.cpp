@@ -23,6 +23,7 @@ ExactSource read_exact(const Json& exact, const char* key, std::string_view wher
                 : from == "undefined" ? Kind::undefined
                                       : Kind::none;
   result.source = found->value("source", "");
+  result.infinite = found->value("infinite", false);
   result.tolerance = found->value("tolerance", result.tolerance);
   if (result.kind == Kind::constant) {
     if (!found->contains("value"))

@@ -126,7 +126,7 @@ ExactValues compute_exact(Device& device, const Integrand& integrand, const Scen
     }
   }
   result.mean_undefined = integrand.mean.kind == Kind::undefined;
-  result.infinite_variance = (integrand.variance.kind == Kind::formula && out[1] == INFINITY) ||
+  result.infinite_variance = (integrand.variance.infinite && out[1] == INFINITY) ||
                              variance_check_says_infinite(integrand, scene);
   result.mean = resolve(integrand.mean, out[0], std::nullopt, integrand, scene, "mean");
   result.variance = resolve(integrand.variance, out[1], std::nullopt, integrand, scene, "variance");
