@@ -40,6 +40,7 @@ CellResult refused(const Cell& cell, CellStatus status, const std::string& reaso
   result.rate.reason = "the cell did not run";
   result.verdict.verdict = "no-rate";
   result.verdict.reason = result.rate.reason;
+  result.stability.reason = result.rate.reason;
   return result;
 }
 
@@ -52,7 +53,9 @@ class Run {
         study_(study),
         device_(device),
         journal_(journal),
-        progress_(stderr, study.cells.size(), options.quiet) {}
+        progress_(stderr, study.cells.size(), options.quiet) {
+    for (const Cell& cell : study.cells) rows_ += cell.n.size();
+  }
 
   // JSON of every cell, in the study's order.
   Json cells() {
@@ -104,7 +107,7 @@ class Run {
     if (slot.prepared != nullptr) {
       progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
       try {
-        slot.json = cell_to_json(catalog_, slot.prepared->run(), &slot.prepared->plan());
+        slot.json = cell_to_json(catalog_, slot.prepared->run(rows_), &slot.prepared->plan());
       } catch (const std::exception& error) {
         fail(slot, cell, error.what());
       }
@@ -127,6 +130,7 @@ class Run {
   Journal& journal_;
   Progress progress_;
   std::vector<Slot> slots_;
+  std::size_t rows_ = 0;  // of all cells
   bool failed_ = false;
 };
 

@@ -12,6 +12,7 @@
 #include "estimate/convergence.hpp"
 #include "estimate/estimators.hpp"
 #include "estimate/mc_test.hpp"
+#include "estimate/stability.hpp"
 #include "estimate/statistics.hpp"
 
 namespace koksma {
@@ -49,6 +50,7 @@ struct CellResult {
   std::vector<Row> rows;
   RateFit rate;
   RateVerdict verdict;
+  CellVerdict stability;
 };
 
 // A cell with its program built and warmed up and its tables uploaded, so that nothing is built
@@ -57,8 +59,9 @@ class PreparedCell {
  public:
   PreparedCell(const Catalog& catalog, Device& device, Device& exact_device, Plan plan);
 
-  // All rows; a row that cannot be finished throws. Called once.
-  CellResult run();
+  // All rows; a row that cannot be finished throws. Called once. `rows_of_run`: rows of all cells
+  // of the run, among which the tests share their false-alarm probability; 0: those of this cell.
+  CellResult run(std::size_t rows_of_run = 0);
   // One row, untimed repeats and all.
   Row run_row(std::uint64_t n);
 
@@ -71,6 +74,8 @@ class PreparedCell {
   struct Sums;
   double once(std::uint64_t n, Sums& sums);
   void summarise(const Sums& sums, Row& row);
+  void qualify(Row& row) const;
+  CellFacts facts_of(const CellResult& result) const;
 
   const Catalog& catalog_;
   std::unique_ptr<Plan> plan_;  // the integrator keeps a reference
