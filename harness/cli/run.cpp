@@ -41,6 +41,7 @@ CellResult refused(const Cell& cell, CellStatus status, const std::string& reaso
   result.rate.reason = "the cell did not run";
   result.verdict.verdict = "no-rate";
   result.verdict.reason = result.rate.reason;
+  result.stability.reason = result.rate.reason;
   return result;
 }
 
@@ -53,7 +54,9 @@ class Run {
         study_(study),
         device_(device),
         journal_(journal),
-        progress_(stderr, study.cells.size(), options.quiet) {}
+        progress_(stderr, study.cells.size(), options.quiet) {
+    for (const Cell& cell : study.cells) rows_ += cell.n.size();
+  }
 
   // JSON of every cell, in the study's order.
   Json cells() {
@@ -158,8 +161,8 @@ class Run {
     if (slot.prepared != nullptr) {
       progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
       try {
-        slot.json =
-            cell_to_json(catalog_, slot.prepared->run(reference_of(cell)), &slot.prepared->plan());
+        slot.json = cell_to_json(catalog_, slot.prepared->run(rows_, reference_of(cell)),
+                                 &slot.prepared->plan());
       } catch (const std::exception& error) {
         fail(slot, cell, error.what());
       }
@@ -184,6 +187,7 @@ class Run {
   std::vector<Slot> slots_;
   std::map<std::string, std::vector<std::size_t>> unknown_;  // by scene: cells
   std::map<std::string, Reference> references_;              // by scene
+  std::size_t rows_ = 0;                                     // of all cells
   bool failed_ = false;
 };
 

@@ -1,5 +1,7 @@
 #include "estimate/convergence.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -15,8 +17,6 @@ namespace {
 // Page 5, sections 2.9 and 3.
 constexpr std::uint64_t kFewestSamples = 256;
 constexpr std::size_t kFewestRows = 6;
-constexpr double kFloorFactor = 3;
-constexpr double kFewestEffective = 30;
 // A resample with an RMSE of 0 has no slope; an interval from fewer resamples than this share is
 // not believed.
 constexpr double kFewestValidResamples = 0.95;
@@ -34,6 +34,10 @@ std::size_t common_replicates(std::span<const ConvergenceRow> rows) {
   return best;
 }
 
+bool unresolved(const ConvergenceRow& row) {
+  return row.n_eff && !(*row.n_eff >= kFewestEffective);
+}
+
 std::string why_excluded(const ConvergenceRow& row, std::size_t replicates,
                          const FitOptions& options) {
   if (!std::has_single_bit(row.samples)) return "N is not a power of two";
@@ -49,19 +53,64 @@ std::string why_excluded(const ConvergenceRow& row, std::size_t replicates,
   if (!(rmse >= kFloorFactor * row.floor)) return "below the floor: RMSE < 3 F";
   if (options.infinite_variance) return "";
   if (row.mean_abs && !(rmse <= *row.mean_abs / 2)) return "unresolved: RMSE > E|f|/2";
-  if (row.n_eff && !(*row.n_eff >= kFewestEffective)) return "unresolved: n_eff < 30";
+  if (unresolved(row)) return "unresolved: n_eff < 30";
   return "";
+}
+
+std::vector<const ConvergenceRow*> by_samples(std::span<const ConvergenceRow> rows) {
+  std::vector<const ConvergenceRow*> sorted;
+  for (const ConvergenceRow& row : rows) sorted.push_back(&row);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto* a, const auto* b) { return a->samples < b->samples; });
+  return sorted;
+}
+
+// All rows that have errors of this many replicates, at any level and any N. An unresolved row is
+// flat because nothing of f has been hit yet, which is no plateau of the points.
+Plateau decide_plateau(std::span<const ConvergenceRow> rows, const FitOptions& options,
+                       std::size_t replicates) {
+  Plateau none;
+  none.reason = "infinite variance: the RMSE has no level";
+  if (options.infinite_variance) return none;
+  std::vector<const ConvergenceRow*> eligible;
+  for (const ConvergenceRow* row : by_samples(rows)) {
+    const bool finite = std::all_of(row->errors.begin(), row->errors.end(),
+                                    [](double e) { return std::isfinite(e); });
+    const bool repeated = !eligible.empty() && eligible.back()->samples == row->samples;
+    if (replicates > 0 && row->errors.size() == replicates && finite && !repeated &&
+        !unresolved(*row))
+      eligible.push_back(row);
+  }
+  return find_plateau(eligible);
+}
+
+// Takes the rows of a plateau out of the used ones. A curve that is structurally flat as a whole
+// keeps its rate, which is 0: it is that of its points.
+void exclude_plateau(std::vector<const ConvergenceRow*>& used, RateFit& fit) {
+  fit.bend = find_break(used);
+  if (fit.plateau.kind == PlateauKind::none || used.empty()) return;
+  // The bend of a curve may also be one of its beginning.
+  const bool bends_flat = fit.bend && fit.bend->slope_after > -kFlatSlope;
+  const double from =
+      bends_flat ? fit.bend->log2_samples : std::log2(static_cast<double>(fit.plateau.from));
+  const auto first = std::find_if(used.begin(), used.end(), [from](const auto* row) {
+    return std::log2(static_cast<double>(row->samples)) >= from;
+  });
+  if (first == used.end()) return;
+  if (first == used.begin() && fit.plateau.kind == PlateauKind::structural) return;
+  const std::string reason =
+      fmt::format("plateau from N = 2^{}", std::countr_zero((*first)->samples));
+  for (auto row = first; row != used.end(); ++row)
+    fit.excluded.push_back({(*row)->samples, reason});
+  used.erase(first, used.end());
+  fit.used.resize(used.size());
 }
 
 // Splits the rows into used ones, by ascending N, and excluded ones.
 std::vector<const ConvergenceRow*> select_rows(std::span<const ConvergenceRow> rows,
                                                const FitOptions& options, RateFit& fit) {
-  std::vector<const ConvergenceRow*> sorted;
-  for (const ConvergenceRow& row : rows) sorted.push_back(&row);
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const auto* a, const auto* b) { return a->samples < b->samples; });
   std::vector<const ConvergenceRow*> used;
-  for (const ConvergenceRow* row : sorted) {
+  for (const ConvergenceRow* row : by_samples(rows)) {
     std::string reason = why_excluded(*row, fit.replicates, options);
     if (reason.empty() && !used.empty() && used.back()->samples == row->samples) {
       reason = "N repeated";
@@ -146,7 +195,9 @@ RateFit fit_rate(std::span<const ConvergenceRow> rows, const FitOptions& options
   RateFit fit;
   fit.replicates = common_replicates(rows);
   fit.deterministic = fit.replicates == 1;
-  const std::vector<const ConvergenceRow*> used = select_rows(rows, options, fit);
+  fit.plateau = decide_plateau(rows, options, fit.replicates);
+  std::vector<const ConvergenceRow*> used = select_rows(rows, options, fit);
+  exclude_plateau(used, fit);
   fit.local_slopes = local_slopes(used, options.infinite_variance);
   const auto heavy =
       std::count_if(used.begin(), used.end(), [](const auto* row) { return has_heavy_tail(*row); });

@@ -18,6 +18,7 @@
 #include "catalog/catalog.hpp"
 #include "estimate/bootstrap.hpp"
 #include "estimate/interval.hpp"
+#include "estimate/plateau.hpp"
 
 namespace koksma {
 
@@ -60,12 +61,15 @@ struct RateFit {
   std::vector<std::uint64_t> used;  // N, ascending
   std::vector<ExcludedRow> excluded;
   std::vector<LocalSlope> local_slopes;
+  Plateau plateau;            // decided on all rows, before any is excluded for its floor
+  std::optional<Break> bend;  // of the rows that were left then
 };
 
 // Rows in any order. Excluded, with a reason: N not a power of two, N < 2^8, N repeated, replicates
 // missing or of another count than most, a non-finite error, RMSE = 0, RMSE < 3·floor, RMSE >
-// E|f|/2, n_eff < 30. Fewer than 6 rows left: no slope. About 1 ms for R = 32, 13 rows, 1000
-// resamples.
+// E|f|/2, n_eff < 30; then, of a curve that ends flat, the rows from its bend on, or those of the
+// flat end where the bend is not accepted, unless that is the whole curve. Fewer than 6 rows left:
+// no slope. About 1 ms for R = 32, 13 rows, 1000 resamples.
 RateFit fit_rate(std::span<const ConvergenceRow> rows, const FitOptions& options = {});
 
 struct RateVerdict {
@@ -83,6 +87,12 @@ inline constexpr std::size_t kGateReplicates = 32;
 // Nor does a fit of fewer rows: the tolerances are 5 standard deviations of the slope over the 9
 // rows 2^8 … 2^16, the first of which may be unresolved; over 8 rows they are still 4.2.
 inline constexpr std::size_t kGateRows = 8;
+
+// Effective samples below which nothing is said about an error (page 5, section 0).
+inline constexpr double kFewestEffective = 30;
+
+// Below so many estimated floors an error is one of rounding (page 5, section 2.9).
+inline constexpr double kFloorFactor = 3;
 
 // Replicates below which a cluster bootstrap covers less than 88 %: no interval.
 inline constexpr std::size_t kFewestForInterval = 8;

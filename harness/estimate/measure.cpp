@@ -15,8 +15,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kRepeatSeconds = 0.020;
 constexpr std::size_t kRepeatCount = 5;
 constexpr std::uint64_t kKurtosisSamples = 4096;  // of which the kurtosis of f is estimated
-constexpr double kSmallestResolved =
-    30;  // n_eff below which the normal approximation is not believed
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -102,13 +100,13 @@ RateFit fit(const CellResult& result, const Plan& plan) {
 }
 
 // Independent points are judged by their exact variance, which is sharper than any slope: every
-// applicable row at level 1e-6 / rows.
-void judge_variance(CellResult& result) {
+// applicable row at level 1e-6 / rows of the run.
+void judge_variance(CellResult& result, std::size_t rows_of_run) {
   std::size_t applicable = 0;
   bool contradicted = false;
   for (const Row& row : result.rows) {
     if (row.mc_test.applicable) ++applicable;
-    contradicted = contradicted || contradicts_variance(row.mc_test, result.rows.size());
+    contradicted = contradicted || contradicts_variance(row.mc_test, rows_of_run);
   }
   if (applicable == 0) return;
   result.verdict.verdict = contradicted ? "outside-gate" : "within-gate";
@@ -212,6 +210,7 @@ void PreparedCell::summarise(const Sums& sums, Row& row) {
                       : estimates;
   row.errors = summarise_errors(row.estimates, exact_.mean);
   row.estimate = summarise_estimate(*plan_->estimator, {estimates, variances, row.n});
+  qualify(row);
   if (!declares(plan_->sampler->validity, "iid")) {
     row.mc_test.reason = "the samples are not independent";
     return;
@@ -219,7 +218,7 @@ void PreparedCell::summarise(const Sums& sums, Row& row) {
   const auto n_eff = effective_samples(exact_, row.n);
   if (!exact_.mean || !exact_.variance || !(*exact_.variance > 0)) {
     row.mc_test.reason = "no exact variance";
-  } else if (n_eff && *n_eff < kSmallestResolved) {
+  } else if (n_eff && *n_eff < kFewestEffective) {
     row.mc_test.reason = "unresolved: n_eff below 30";
   } else if (!faulty) {
     std::vector<double> errors;
@@ -241,11 +240,47 @@ void PreparedCell::take_errors(CellResult& result,
     result.reference = {*last.estimate.value, last.estimate.standard_error,
                         fmt::format("this cell at N = {}", last.n)};
   if (!result.reference) return;
-  for (Row& row : result.rows)
+  for (Row& row : result.rows) {
     row.errors = summarise_errors(row.estimates, result.reference->value);
+    if (exact_.infinite_variance) drop_rmse(row.errors);
+  }
 }
 
-CellResult PreparedCell::run(const std::optional<Reference>& reference) {
+// Takes back what the row's samples cannot support.
+void PreparedCell::qualify(Row& row) const {
+  const bool pooled = plan_->estimator->interval == "normal";
+  const std::uint64_t samples = pooled ? row.n * plan_->cell.replicates : row.n;
+  IntervalFacts facts;
+  facts.mean_undefined = exact_.mean_undefined;
+  facts.infinite_variance = exact_.infinite_variance;
+  facts.n_eff = effective_samples(exact_, samples);
+  if (kurtosis_) facts.excess_of_mean = *kurtosis_ / static_cast<double>(samples);
+  facts.heavy_tailed = !pooled && row.errors.heavy_tailed;
+  qualify_interval(row.estimate, facts);
+  if (exact_.infinite_variance) drop_rmse(row.errors);
+}
+
+CellFacts PreparedCell::facts_of(const CellResult& result) const {
+  const Row& last = result.rows.back();
+  const auto samples = static_cast<double>(last.n);
+  CellFacts facts;
+  facts.mean_undefined = exact_.mean_undefined;
+  facts.infinite_variance = exact_.infinite_variance;
+  facts.mean = exact_.mean;
+  facts.mean_abs = exact_.mean_abs;
+  for (const Row& row : result.rows) facts.nonfinite += row.nonfinite;
+  facts.n_eff = effective_samples(exact_, last.n);
+  facts.errors = last.errors;
+  if (kurtosis_) facts.excess_of_mean = *kurtosis_ / samples;
+  if (exact_.variance && declares(plan_->sampler->validity, "iid"))
+    facts.exact_sd = std::sqrt(*exact_.variance / samples);
+  facts.floor = result.floor;
+  facts.plateau = result.rate.plateau;
+  facts.rate = result.verdict;
+  return facts;
+}
+
+CellResult PreparedCell::run(std::size_t rows_of_run, const std::optional<Reference>& reference) {
   CellResult result;
   result.cell = plan_->cell;
   result.exact = exact_;
@@ -270,7 +305,9 @@ CellResult PreparedCell::run(const std::optional<Reference>& reference) {
                              ? std::nullopt
                              : std::optional(rate_at(found->second, plan_->cell.scene.parameters)),
                          plan_->cell.scene.dim);
-  if (declares(plan_->sampler->validity, "iid")) judge_variance(result);
+  rows_of_run = std::max(rows_of_run, result.rows.size());
+  if (declares(plan_->sampler->validity, "iid")) judge_variance(result, rows_of_run);
+  result.stability = decide_verdict(facts_of(result), rows_of_run);
   return result;
 }
 

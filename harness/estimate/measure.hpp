@@ -13,6 +13,7 @@
 #include "estimate/estimators.hpp"
 #include "estimate/mc_test.hpp"
 #include "estimate/reference.hpp"
+#include "estimate/stability.hpp"
 #include "estimate/statistics.hpp"
 
 namespace koksma {
@@ -51,6 +52,7 @@ struct CellResult {
   std::vector<Row> rows;
   RateFit rate;
   RateVerdict verdict;
+  CellVerdict stability;
 };
 
 // A cell with its program built and warmed up and its tables uploaded, so that nothing is built
@@ -59,9 +61,12 @@ class PreparedCell {
  public:
   PreparedCell(const Catalog& catalog, Device& device, Device& exact_device, Plan plan);
 
-  // All rows; a row that cannot be finished throws. Called once. Where the integral is not known,
-  // errors are against `reference`, or without one against the cell's own last estimate.
-  CellResult run(const std::optional<Reference>& reference = std::nullopt);
+  // All rows; a row that cannot be finished throws. Called once. `rows_of_run`: rows of all cells
+  // of the run, among which the tests share their false-alarm probability; 0: those of this cell.
+  // Where the integral is not known, errors are against `reference`, or without one against the
+  // cell's own last estimate.
+  CellResult run(std::size_t rows_of_run = 0,
+                 const std::optional<Reference>& reference = std::nullopt);
   // One row, untimed repeats and all.
   Row run_row(std::uint64_t n);
 
@@ -75,6 +80,8 @@ class PreparedCell {
   double once(std::uint64_t n, Sums& sums);
   void summarise(const Sums& sums, Row& row);
   void take_errors(CellResult& result, const std::optional<Reference>& reference) const;
+  void qualify(Row& row) const;
+  CellFacts facts_of(const CellResult& result) const;
 
   const Catalog& catalog_;
   std::unique_ptr<Plan> plan_;  // the integrator keeps a reference

@@ -132,6 +132,35 @@ Json convergence_json(const CellResult& result, const ExpectedRate* expected) {
   return json;
 }
 
+Json plateau_json(const RateFit& rate) {
+  const Plateau& plateau = rate.plateau;
+  const bool found = plateau.kind != PlateauKind::none;
+  Json json = {{"kind", plateau_name(plateau.kind)}, {"reason", plateau.reason}};
+  json["from"] = found ? Json(plateau.from) : Json(nullptr);
+  json["slope"] = found ? number_or_null(plateau.slope) : Json(nullptr);
+  json["level"] = found ? number_or_null(plateau.level) : Json(nullptr);
+  json["break"] = nullptr;
+  if (rate.bend)
+    json["break"] = {{"n", number_or_null(std::exp2(rate.bend->log2_samples))},
+                     {"slope_before", number_or_null(rate.bend->slope_before)},
+                     {"slope_after", number_or_null(rate.bend->slope_after)},
+                     {"delta_aicc", number_or_null(rate.bend->delta_aicc)}};
+  return json;
+}
+
+Json stability_json(const CellResult& result) {
+  const CellVerdict& stability = result.stability;
+  Json json;
+  json["verdict"] = stability.verdict.empty() ? Json(nullptr) : Json(stability.verdict);
+  json["reason"] = stability.reason;
+  json["n_eff"] = number_or_null(stability.n_eff);
+  json["z_bias"] = number_or_null(stability.z_bias);
+  json["infinite_variance"] = result.exact.infinite_variance;
+  json["floors"] = {{"predicted_total", number_or_null(result.floor)}};
+  json["plateau"] = plateau_json(result.rate);
+  return json;
+}
+
 // Kernel time of one replicate to each relative tolerance (of |I|, or absolute where I = 0), from
 // the rows that measure the kernel and not its launch.
 Json efficiency_json(const CellResult& result) {
@@ -226,6 +255,7 @@ Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* 
                                  catalog.estimator(result.cell.estimator, "estimator")));
   json["convergence"] =
       convergence_json(result, expected == f.expected.end() ? nullptr : &expected->second);
+  json["stability"] = stability_json(result);
   json["efficiency"] = efficiency_json(result);
   return json;
 }

@@ -17,18 +17,31 @@ std::string size_text(std::uint64_t n) {
   return std::has_single_bit(n) ? fmt::format("2^{}", std::countr_zero(n)) : fmt::format("{}", n);
 }
 
+std::string slope_text(const Json& slope, const Json& interval) {
+  if (!slope.is_number()) return "-";
+  if (!interval.is_array()) return fmt::format("{:.2f}", slope.get<double>());
+  const double half = (interval[1].get<double>() - interval[0].get<double>()) / 2;
+  return fmt::format("{:.2f} ± {:.2f}", slope.get<double>(), half);
+}
+
+// Where the variance is infinite there is no rate of the RMSE, only one of the median.
 std::string rate_text(const Json& convergence) {
-  if (!convergence["rate"].is_number()) return "-";
-  const double rate = convergence["rate"];
-  if (!convergence["interval"].is_array()) return fmt::format("{:.2f}", rate);
-  const double half =
-      (convergence["interval"][1].get<double>() - convergence["interval"][0].get<double>()) / 2;
-  return fmt::format("{:.2f} ± {:.2f}", rate, half);
+  const bool of_median = !convergence["rate"].is_number() && convergence["median_rate"].is_number();
+  return of_median ? slope_text(convergence["median_rate"], convergence["median_interval"])
+                   : slope_text(convergence["rate"], convergence["interval"]);
 }
 
 std::string marks(const Json& cell, const Json& row) {
   std::string text;
   const auto add = [&](const std::string& mark) { text += (text.empty() ? "" : " ") + mark; };
+  const Json& stability = cell["stability"];
+  // That of the gate is told below.
+  if (stability["verdict"].is_string() && stability["verdict"] != "OK" &&
+      stability["verdict"] != "OUTSIDE_GATE")
+    add(stability["verdict"]);
+  if (stability["infinite_variance"] == true)
+    add(cell["convergence"]["median_rate"].is_number() ? "infinite variance: rate of the median"
+                                                       : "infinite variance");
   if (row["heavy_tailed"] == true || cell["convergence"]["heavy_tailed"] == true)
     add("heavy-tailed");
   if (row["nonfinite"].get<std::uint64_t>() > 0)
@@ -79,7 +92,10 @@ constexpr const char* kLegend =
     "interval; theory: the expected slope, log factors left out. ms: kernel time of one replicate. "
     "Gcoord/s: 1e9\n"
     "coordinates generated, evaluated and summed per second. heavy-tailed: believe the median, not "
-    "the RMSE.\n";
+    "the RMSE.\n"
+    "In capitals: the verdict on the cell, where it is not OK; `stability` in the results file "
+    "says "
+    "why.\n";
 
 constexpr const char* kOwnEstimateLegend =
     "own-estimate: the integral is not known; errors are against the run's own best estimate, "

@@ -1,0 +1,162 @@
+#include "estimate/stability.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+namespace koksma {
+
+namespace {
+
+// False-alarm probability of the bias tests of one run (page 5, section 0).
+constexpr double kBiasFalseAlarm = 1e-6;
+
+struct BiasTest {
+  std::optional<double> z;
+  bool significant = false, explained = false;
+  std::string untested;  // why, else empty
+};
+
+// Why mean/(sd/√R) has not the distribution of Student's t here; empty if it has.
+std::string why_no_t(const CellFacts& facts) {
+  const ErrorStatistics& e = facts.errors;
+  if (facts.infinite_variance) return "infinite variance";
+  if (!e.bias || !e.rmse) return "no exact value";
+  if (e.replicates < 2) return "one replicate";
+  if (!e.sd || !(*e.sd > 0)) return "the replicates do not differ";
+  if (e.heavy_tailed) return "heavy-tailed errors";
+  if (facts.excess_of_mean && !(*facts.excess_of_mean < kLargestExcess))
+    return "excess kurtosis / N is not below 0.1";
+  // A normal row is lost in 1 of 100 cases. What is left of other tails could not reach 1e-6.
+  if (e.kurtosis && !kurtosis_is_normal(*e.kurtosis, e.replicates))
+    return "the errors are not normal";
+  return "";
+}
+
+BiasTest test_bias(const CellFacts& facts, std::size_t rows_of_run) {
+  BiasTest test;
+  const ErrorStatistics& e = facts.errors;
+  const auto size = static_cast<double>(e.replicates);
+  if (e.bias && e.sd && *e.sd > 0 && !facts.infinite_variance)
+    test.z = *e.bias / (*e.sd / std::sqrt(size));
+  test.untested = why_no_t(facts);
+  if (!test.untested.empty()) return test;
+  // Independent replicates that all missed a spike of f agree with each other, though they should
+  // not: they may not look more alike than the exact variance has them.
+  const double sd = std::max(*e.sd, facts.exact_sd.value_or(0));
+  const boost::math::students_t distribution(size - 1);
+  const double level = kBiasFalseAlarm / static_cast<double>(rows_of_run);
+  const double limit = quantile(complement(distribution, level / 2));
+  test.significant = std::fabs(*e.bias) > limit * sd / std::sqrt(size);
+  test.explained = std::fabs(*e.bias) <= kFloorFactor * facts.floor;
+  return test;
+}
+
+// f ≥ 0 of which every sample was 0.
+bool hit_nothing(const CellFacts& facts) {
+  return facts.mean && facts.mean_abs && *facts.mean > 0 && *facts.mean == *facts.mean_abs &&
+         facts.errors.mean && *facts.errors.mean == 0;
+}
+
+std::string why_unresolved(const CellFacts& facts) {
+  if (hit_nothing(facts)) return "every sample of f is 0";
+  if (!facts.infinite_variance && facts.n_eff && !(*facts.n_eff >= kFewestEffective))
+    return fmt::format("n_eff = {:.2g} of one replicate is below 30", *facts.n_eff);
+  return "";
+}
+
+void decide_on_errors(const CellFacts& facts, const BiasTest& bias, CellVerdict& result) {
+  if (facts.plateau.kind != PlateauKind::none) {
+    result.verdict =
+        facts.plateau.kind == PlateauKind::numeric ? "PLATEAU_NUMERIC" : "PLATEAU_STRUCTURAL";
+    result.reason = facts.plateau.reason;
+    return;
+  }
+  if (bias.significant && !bias.explained) {
+    result.verdict = "BIASED";
+    result.reason = fmt::format(
+        "the mean error {:.2g} is {:.1f} standard errors, the estimated floor is {:.2g}",
+        *facts.errors.bias, *result.z_bias, facts.floor);
+    return;
+  }
+  if (facts.rate.verdict == "outside-gate") {
+    result.verdict = "OUTSIDE_GATE";
+    result.reason =
+        facts.rate.reason.empty() ? "the rate is not the expected one" : facts.rate.reason;
+    return;
+  }
+  result.verdict = "OK";
+  if (facts.rate.verdict != "within-gate") {
+    result.reason = "not gated: ";
+    result.reason += facts.rate.verdict == "no-theory" ? "no expected rate" : facts.rate.reason;
+  }
+  if (bias.untested.empty() && !bias.significant) return;
+  if (!result.reason.empty()) result.reason += "; ";
+  result.reason +=
+      bias.untested.empty() ? "the bias is that of the floor" : "bias not tested: " + bias.untested;
+}
+
+}  // namespace
+
+CellVerdict decide_verdict(const CellFacts& facts, std::size_t rows_of_run) {
+  CellVerdict result;
+  result.n_eff = facts.n_eff;
+  if (facts.mean_undefined) {
+    result.verdict = "NOT_INTEGRABLE";
+    result.reason = "f has no mean";
+    return result;
+  }
+  if (facts.nonfinite > 0) {
+    result.verdict = "DOMAIN_FAULT";
+    result.reason = fmt::format("{} samples of all rows are not finite", facts.nonfinite);
+    return result;
+  }
+  const BiasTest bias = test_bias(facts, rows_of_run);
+  result.z_bias = bias.z;
+  result.reason = why_unresolved(facts);
+  if (!result.reason.empty()) {
+    result.verdict = "UNRESOLVED";
+    return result;
+  }
+  if (!facts.mean) {
+    result.reason = "no exact value";
+    return result;
+  }
+  decide_on_errors(facts, bias, result);
+  return result;
+}
+
+void qualify_interval(Estimate& estimate, const IntervalFacts& facts) {
+  std::string why_none;
+  if (facts.mean_undefined) {
+    why_none = "no interval: f has no mean";
+  } else if (facts.infinite_variance) {
+    why_none = "no interval: the variance is infinite";
+  } else if (facts.n_eff && !(*facts.n_eff >= kFewestEffective)) {
+    why_none = "no interval: n_eff below 30";
+  }
+  if (!why_none.empty()) {
+    // An estimator without intervals has said why.
+    if (estimate.interval || estimate.standard_error) estimate.reason = why_none;
+    estimate.standard_error.reset();
+    estimate.interval.reset();
+    return;
+  }
+  if (!estimate.interval) return;
+  if (facts.excess_of_mean && !(*facts.excess_of_mean < kLargestExcess)) {
+    estimate.reason = "may cover less: excess kurtosis / N is not below 0.1";
+  } else if (facts.heavy_tailed) {
+    estimate.reason = "may cover more or less: heavy-tailed replicates";
+  }
+}
+
+void drop_rmse(ErrorStatistics& errors) {
+  errors.rmse.reset();
+  errors.rmse_low.reset();
+  errors.rmse_high.reset();
+  errors.rmse_interval_method = {};
+  errors.rho.reset();
+}
+
+}  // namespace koksma
