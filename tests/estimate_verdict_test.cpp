@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "estimate/convergence.hpp"
 
@@ -79,6 +80,26 @@ TEST_CASE("no gate applies to heavy tails, single runs, few replicates or missin
   CHECK(verdict.reason == none.reason);
   CHECK(*verdict.expected == -1.5);
   CHECK(judge(none, std::nullopt, 1).verdict == "no-rate");
+}
+
+TEST_CASE("a rate may depend on parameters, down to a limit, and its gate on their range",
+          "[unit][estimate]") {
+  // -(1 - a) - p, never steeper than -1.5; gated for a <= 1/4.
+  ExpectedRate rate = expected_rate(-1, 0, 2, 0.25, false);
+  rate.per_parameter = {{1, 1.0}, {0, -1.0}};
+  rate.at_least = -1.5;
+  rate.gate_parameters_at_most = {{1, 0.25}};
+  const std::vector<double> mild = {0, 0.25}, wild = {0, 0.3}, steep = {2, 0.25};
+  CHECK(expected_slope(rate, mild, 1) == -0.75);
+  CHECK(expected_slope(rate, wild, 1) == Approx(-0.7));
+  CHECK(expected_slope(rate, steep, 1) == -1.5);
+  CHECK(judge(fitted(-0.9), rate_at(rate, mild), 1).verdict == "within-gate");
+  CHECK(judge(fitted(-1.1), rate_at(rate, mild), 1).verdict == "outside-gate");
+  CHECK(*judge(fitted(-0.9), rate_at(rate, mild), 2).target == -0.75);
+  const RateVerdict ungated = judge(fitted(-0.1), rate_at(rate, wild), 1);
+  CHECK(ungated.verdict == "reported");
+  CHECK(ungated.reason == "no gate");
+  CHECK(*judge(fitted(-1.5), rate_at(rate, steep), 1).expected == -1.5);
 }
 
 }  // namespace koksma

@@ -37,6 +37,7 @@ ExpectedRate rate_at(ExpectedRate rate, std::span<const double> parameters) {
   rate.per_parameter.clear();
   for (const ParameterValue& bound : rate.gate_parameters_at_most)
     if (!(parameters[bound.parameter] <= bound.value)) rate.gate_max_d.reset();
+  rate.gate_parameters_at_most.clear();
   return rate;
 }
 
