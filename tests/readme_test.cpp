@@ -49,8 +49,16 @@ TEST_CASE("README's study is valid", "[unit]") {
   CHECK_NOTHROW(check_schema(study, "harness/study/study.schema.json", "README.md"));
 }
 
-TEST_CASE("README names every sampler", "[unit]") {
+TEST_CASE("README names every sampler, integrand and estimator", "[unit]") {
   const std::string readme = test::repository_file("README.md");
+  const auto names = [&](const auto& entries) {
+    for (const auto& entry : entries) {
+      INFO(entry.name);
+      CHECK(readme.find("`" + entry.name + "`") != std::string::npos);
+    }
+  };
+  names(test::catalog().integrands);
+  names(test::catalog().estimators);
   for (const Sampler& s : test::catalog().samplers) {
     INFO(s.name);
     CHECK(readme.find("`" + s.name + "`") != std::string::npos);
