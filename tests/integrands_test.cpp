@@ -2,10 +2,10 @@
 // against 25-digit ones, the declared number of draws, and the sampled mean against the exact one.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstring>
+#include <map>
 
 #include "estimate/measure.hpp"
-#include "plan/compose.hpp"
+#include "tests/integrand_batch.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
@@ -26,28 +26,35 @@ double deviation(double computed, double expected) {
   return std::fabs(computed - expected) / (expected == 0 ? 1 : std::fabs(expected));
 }
 
-// f(x) through the engine: a net whose columns are zero and whose start is x puts every sample on
-// x.
-double value_at(const Integrand& f, const Scene& scene, const std::vector<double>& x,
-                Precision precision) {
-  Cell cell = test::cell(f.name, "sobol", 16);
-  cell.scene = scene;
-  cell.precision = precision;
-  const Plan plan = make_plan(test::catalog(), cell, test::device().facts());
-  const ExactValues exact = compute_exact(test::device(), f, scene);
-  std::vector<std::byte> table = build_point_table(plan);
-  const std::size_t size = precision == Precision::fp64 ? 8 : 4;
-  const std::size_t starts = table.size() / size - x.size();  // the last part of the table
-  std::fill(table.begin() + static_cast<long>(8 * size),
-            table.begin() + static_cast<long>(starts * size), std::byte{0});
-  for (std::size_t j = 0; j < x.size(); ++j) {
-    const double shifted = 1 + x[j];
-    const auto narrow = static_cast<float>(shifted);
-    REQUIRE((precision == Precision::fp64 || narrow == shifted));
-    std::memcpy(table.data() + (starts + j) * size,
-                size == 8 ? static_cast<const void*>(&shifted) : &narrow, size);
+// An entry's value at a point, with what it should be.
+struct SampleCheck {
+  const Integrand* f;
+  test::BatchItem item;
+  double expected;
+};
+
+// All sample checks by dimension: a batch each. The point is that of all 16 lanes.
+std::map<std::uint32_t, std::vector<SampleCheck>> sample_checks() {
+  std::map<std::uint32_t, std::vector<SampleCheck>> result;
+  for (const Integrand& f : test::catalog().integrands) {
+    REQUIRE(!f.sample_checks.empty());
+    for (const Json& check : f.sample_checks) {
+      SampleCheck sample{&f, {scene_of(f, check), {}}, std::stod(check["f"].get<std::string>())};
+      for (const double x : check["x"].get<std::vector<double>>()) {
+        REQUIRE(static_cast<float>(x) == x);
+        sample.item.x.insert(sample.item.x.end(), 16, x);
+      }
+      result[sample.item.scene.dim].push_back(std::move(sample));
+    }
   }
-  return Integrator(test::device(), plan, exact.coefficients, table).first_values()[5];
+  return result;
+}
+
+double ulp_of(double value, Precision precision) {
+  if (precision == Precision::fp64)
+    return std::nextafter(std::fabs(value), INFINITY) - std::fabs(value);
+  const auto narrow = static_cast<float>(std::fabs(value));
+  return std::nextafterf(narrow, INFINITY) - narrow;
 }
 
 }  // namespace
@@ -78,54 +85,23 @@ TEST_CASE("closed forms agree with all verified references to 1e-13, or as their
 
 TEST_CASE(
     "the device's value of every integrand at fixed points is within its entry's ulps (8) of the "
-    "25-digit value",
+    "25-digit value, and it draws as many coordinates as its scene declares",
     "[device]") {
-  for (const Integrand& f : test::catalog().integrands) {
-    REQUIRE(!f.sample_checks.empty());
-    for (const Json& check : f.sample_checks) {
-      const double expected = std::stod(check["f"].get<std::string>());
-      for (const Precision precision : {Precision::fp32, Precision::fp64}) {
-        const double value =
-            value_at(f, scene_of(f, check), check["x"].get<std::vector<double>>(), precision);
-        const double ulp =
-            precision == Precision::fp64
-                ? std::nextafter(std::fabs(expected), INFINITY) - std::fabs(expected)
-                : std::nextafterf(static_cast<float>(std::fabs(expected)), INFINITY) -
-                      static_cast<float>(std::fabs(expected));
-        INFO(f.name << " " << precision_name(precision) << " at " << check["x"] << ": " << value);
-        CHECK(std::fabs(value - expected) <=
-              (precision == Precision::fp64 ? f.ulps_fp64 : f.ulps_fp32) * ulp);
+  for (const auto& [dim, checks] : sample_checks()) {
+    std::vector<test::BatchItem> items;
+    for (const SampleCheck& check : checks) items.push_back(check.item);
+    for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+      const auto values = test::evaluate(items, precision, 16);
+      for (std::size_t k = 0; k < checks.size(); ++k) {
+        const auto& [f, item, expected] = checks[k];
+        const double ulps = precision == Precision::fp64 ? f->ulps_fp64 : f->ulps_fp32;
+        INFO(item.scene.text << " " << f->name << " d = " << dim << " " << precision_name(precision)
+                             << " at check " << k << ": " << values[k].f[5]);
+        CHECK(values[k].drawn == dim);
+        for (const double value : values[k].f)
+          CHECK(std::fabs(value - expected) <= ulps * ulp_of(expected, precision));
       }
     }
-  }
-}
-
-TEST_CASE("every integrand draws as many coordinates as its scene declares", "[device]") {
-  for (const Integrand& f : test::catalog().integrands) {
-    Cell cell = test::cell(f.name, "sobol-shift", 256);
-    Plan plan = make_plan(test::catalog(), cell, test::device().facts());
-    const ExactValues exact = compute_exact(test::device(), f, cell.scene);
-    Device& device = test::device();
-    const auto table = build_point_table(plan);
-    const cl::Buffer points = device.upload(table.data(), table.size());
-    const cl::Buffer values =
-        device.upload(cell.scene.parameters.data(), cell.scene.parameters.size() * 8);
-    const cl::Buffer coefficients =
-        device.upload(exact.coefficients.data(), exact.coefficients.size() * 8);
-    const cl::Buffer out = device.allocate(4);
-    cl::Kernel kernel(device.build(inspect_program(test::catalog(), plan, true)).program,
-                      "dump_draws");
-    kernel.setArg(0, points);
-    kernel.setArg(1, values);
-    kernel.setArg(2, coefficients);
-    kernel.setArg(3, cl_ulong{256});
-    kernel.setArg(4, cl_ulong{1});
-    kernel.setArg(5, out);
-    device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
-    cl_uint drawn = 0;
-    device.queue().enqueueReadBuffer(out, CL_TRUE, 0, sizeof(drawn), &drawn);
-    INFO(f.name);
-    CHECK(drawn == cell.scene.dim);
   }
 }
 

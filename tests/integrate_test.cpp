@@ -63,8 +63,10 @@ TEST_CASE(
 TEST_CASE(
     "one lane per work-item gives the same bits too where the entry declares exact operations",
     "[device]") {
+  // Of the first few; pieces_test meets them all.
+  std::size_t taken = 0;
   for (const Integrand& f : test::catalog().integrands) {
-    if (!f.exact_operations) continue;
+    if (!f.exact_operations || ++taken > 4) continue;
     for (const Precision precision : {Precision::fp32, Precision::fp64}) {
       Cell c = cell(f.name, "sobol-shift", 1 << 10, 2);
       c.precision = precision;

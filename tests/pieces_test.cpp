@@ -4,69 +4,84 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <set>
 
+#include "tests/integrand_batch.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
 
 namespace {
 
-// Samplers and sums are dealt out over the integrands, so that each piece meets every width and
-// precision. Of samplers with the same kernel one is enough.
-struct Pairing {
-  std::string integrand, sampler, sum;
-};
+bool same_value(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-std::vector<Pairing> pairings() {
-  const Catalog& catalog = test::catalog();
-  const std::vector<Sampler> samplers = test::samplers_by_kernel();
-  const std::size_t count =
-      std::max({catalog.integrands.size(), samplers.size(), catalog.sums.size()});
-  std::vector<Pairing> result;
-  for (std::size_t i = 0; i < count; ++i)
-    result.push_back({catalog.integrands[i % catalog.integrands.size()].name,
-                      samplers[i % samplers.size()].name,
-                      catalog.sums[i % catalog.sums.size()].name});
-  return result;
-}
-
-// The scene nearest to the integrand's default that the sampler has dimensions for.
-std::string scene_of(const Integrand& f, const Sampler& s) {
-  const std::uint32_t dim = std::clamp(f.default_dim, s.min_dim, s.max_dim);
-  return fmt::format("{}:d={}", f.name, std::clamp(dim, f.min_dim, f.max_dim));
+// Sixteen points, with corners among them, exact in fp32.
+std::vector<double> some_points(std::uint32_t dim) {
+  std::vector<double> x;
+  for (std::uint32_t j = 0; j < dim; ++j)
+    for (std::uint32_t i = 0; i < 16; ++i)
+      x.push_back(i == 0   ? 0x1p-24
+                  : i == 1 ? 1 - 0x1p-24
+                           : ((i * 2654435761U + j * 40503U) % 4093) / 4096.0);
+  return x;
 }
 
 }  // namespace
 
 TEST_CASE(
-    "every integrand, sampler and sum builds at all widths in both precisions, and widths from 4 "
-    "on agree bit for bit",
+    "every integrand builds at all widths in both precisions; widths from 4 on agree bit for bit, "
+    "and one lane too where the entry declares exact operations",
     "[device]") {
-  std::set<std::string> covered;
-  for (const Pairing& p : pairings()) {
-    covered.insert({p.integrand, p.sampler, p.sum});
-    const Integrand& f = test::catalog().integrand(p.integrand, "test");
-    const auto agree = [](double a, double b) {
-      return a == b || (std::isnan(a) && std::isnan(b));
-    };
-    const Sampler sampler = test::catalog().sampler(p.sampler, "test");
-    for (const Precision precision : test::precisions(sampler)) {
-      Cell cell = test::cell(scene_of(f, sampler), p.sampler, 256);
-      cell.n = {test::admitted_size(sampler, cell.scene.dim, 256)};
-      cell.precision = precision;
-      cell.sum = p.sum;
-      const auto wide = test::partial_sums(cell, {16, 1, {}, {}});
+  std::map<std::uint32_t, std::vector<test::BatchItem>> by_dimension;
+  for (const Integrand& f : test::catalog().integrands) {
+    const std::uint32_t dim = std::clamp(2U, f.min_dim, f.max_dim);
+    const Scene scene = parse_scene(test::catalog(), fmt::format("{}:d={}", f.name, dim), "test");
+    by_dimension[dim].push_back({scene, some_points(dim)});
+  }
+  for (const auto& [dim, items] : by_dimension) {
+    for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+      const auto wide = test::evaluate(items, precision, 16);
       for (const std::uint32_t lanes : {1U, 4U, 8U}) {
-        INFO(p.integrand << " " << p.sampler << " " << p.sum << " " << precision_name(precision)
-                         << " lanes " << lanes);
-        const auto other = test::partial_sums(cell, {lanes, 1, {}, {}});
-        REQUIRE(other.size() == wide.size());
-        const bool same = std::equal(wide.begin(), wide.end(), other.begin(), agree);
-        if (lanes != 1 || f.exact_operations) CHECK(same);
+        const auto other = test::evaluate(items, precision, lanes);
+        for (std::size_t k = 0; k < items.size(); ++k) {
+          const Integrand& f = test::catalog().integrand(items[k].scene.integrand, "test");
+          INFO(f.name << " " << precision_name(precision) << " lanes " << lanes);
+          CHECK(other[k].drawn == dim);
+          if (lanes == 1 && !f.exact_operations) continue;
+          CHECK(std::equal(wide[k].f.begin(), wide[k].f.end(), other[k].f.begin(), same_value));
+        }
       }
     }
   }
-  for (const auto& f : test::catalog().integrands) CHECK(covered.count(f.name) == 1);
-  for (const auto& s : test::catalog().sums) CHECK(covered.count(s.name) == 1);
+}
+
+TEST_CASE(
+    "every sampler and sum builds at all widths in both precisions, and all widths agree bit for "
+    "bit",
+    "[device]") {
+  // Sums are dealt out over the samplers; of samplers with the same kernel one is enough. The
+  // integrand has exact operations.
+  const Catalog& catalog = test::catalog();
+  std::set<std::string> covered;
+  std::size_t i = 0;
+  for (const Sampler& sampler : test::samplers_by_kernel()) {
+    const std::string sum = catalog.sums[i++ % catalog.sums.size()].name;
+    covered.insert(sum);
+    for (const Precision precision : test::precisions(sampler)) {
+      Cell cell =
+          test::cell(fmt::format("linear-prod:d={}", test::usual_dim(sampler)), sampler.name, 256);
+      cell.n = {test::admitted_size(sampler, cell.scene.dim, 256)};
+      cell.precision = precision;
+      cell.sum = sum;
+      const auto wide = test::partial_sums(cell, {16, 1, {}, {}});
+      for (const std::uint32_t lanes : {1U, 4U, 8U}) {
+        INFO(sampler.name << " " << sum << " " << precision_name(precision) << " lanes " << lanes);
+        const auto other = test::partial_sums(cell, {lanes, 1, {}, {}});
+        REQUIRE(other.size() == wide.size());
+        CHECK(std::equal(wide.begin(), wide.end(), other.begin(), same_value));
+      }
+    }
+  }
+  for (const auto& s : catalog.sums) CHECK(covered.count(s.name) == 1);
 }

@@ -35,7 +35,8 @@ TEST_CASE("the gated table of rates holds: d <= 2, N = 2^8 to 2^16, 32 replicate
   // A gate is 5 standard deviations of a slope wide (5-numerics 1.9), 6e-7 per gated cell; the
   // chi-squared tests of `random` have 1e-6 per cell. Fixed seed.
   std::map<std::string, std::size_t> within;
-  for (const Json& cell : run_study("rates", "")["cells"]) {
+  const Json results = run_study("rates", "");
+  for (const Json& cell : results["cells"]) {
     const Json& convergence = cell["convergence"];
     INFO(label(cell) << ": rate " << convergence["rate"] << ", target " << convergence["target"]
                      << ", " << convergence["verdict_reason"]);
@@ -55,8 +56,8 @@ TEST_CASE("the gated table of rates holds: d <= 2, N = 2^8 to 2^16, 32 replicate
 TEST_CASE("the whole catalog runs at small N, and no resolved row is biased", "[statistical]") {
   // The level of BIASED is 1e-6 over all rows of the run.
   std::size_t judged = 0;
-  for (const Json& cell :
-       run_study("full", "--n 2^8..2^10 --sampler random --sampler sobol-owen")["cells"]) {
+  const Json results = run_study("full", "--n 2^8..2^10 --sampler random --sampler sobol-owen");
+  for (const Json& cell : results["cells"]) {
     INFO(label(cell) << ": " << cell["stability"].dump());
     CHECK(cell["status"] == "ok");
     CHECK(cell["stability"]["verdict"] != "BIASED");
@@ -71,7 +72,8 @@ TEST_CASE("the published dimension test: scrambled Sobol' meets its thresholds",
   const std::map<std::uint32_t, std::pair<double, double>> largest{{1000, {-3, -4.5}},
                                                                    {2000, {-2.5, -4}}};
   std::size_t judged = 0;
-  for (const Json& cell : run_study("dimension", "--sampler sobol --sampler sobol-owen")["cells"]) {
+  const Json results = run_study("dimension", "--sampler sobol --sampler sobol-owen");
+  for (const Json& cell : results["cells"]) {
     const double error = std::log10(cell["rows"][0]["rmse"].get<double>());
     const auto& [plain, scrambled] = largest.at(cell["scene"]["d"]);
     INFO(label(cell) << ": log10 RMSE " << error);

@@ -19,22 +19,6 @@ void append_embedded(std::string& text, const char* path) {
   append_piece(text, {path, std::string(embedded_text(path))});
 }
 
-// struct params and its loader, from the entry's parameters.
-std::string params_source(const Integrand& f, const char* type) {
-  std::string members, loads;
-  for (std::size_t i = 0; i < f.parameters.size(); ++i) {
-    members += fmt::format("  {} {};\n", type, f.parameters[i].name);
-    loads += fmt::format("  q.{} = values[{}];\n", f.parameters[i].name, i);
-  }
-  if (f.parameters.empty()) members = fmt::format("  {} unused;\n", type);
-  if (f.parameters.empty()) loads = "  q.unused = 0;\n";
-  return fmt::format(
-      "#line 1 \"generated: parameters of {}\"\ntypedef struct {{\n{}}} params;\n"
-      "static inline params load_params(__global const {} *values) {{\n  params q;\n{}  return "
-      "q;\n}}\n",
-      f.name, members, type, loads);
-}
-
 std::string defines_source(const Plan& plan, ProgramKind kind) {
   std::string text;
   const auto define = [&](const std::string& name, std::int64_t value) {
@@ -64,6 +48,21 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
 }
 
 }  // namespace
+
+std::string params_source(const Integrand& f, const char* type) {
+  std::string members, loads;
+  for (std::size_t i = 0; i < f.parameters.size(); ++i) {
+    members += fmt::format("  {} {};\n", type, f.parameters[i].name);
+    loads += fmt::format("  q.{} = values[{}];\n", f.parameters[i].name, i);
+  }
+  if (f.parameters.empty()) members = fmt::format("  {} unused;\n", type);
+  if (f.parameters.empty()) loads = "  q.unused = 0;\n";
+  return fmt::format(
+      "#line 1 \"generated: parameters of {}\"\ntypedef struct {{\n{}}} params;\n"
+      "static inline params load_params(__global const {} *values) {{\n  params q;\n{}  return "
+      "q;\n}}\n",
+      f.name, members, type, loads);
+}
 
 ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind) {
   const bool integrates = kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite;

@@ -7,6 +7,9 @@ namespace koksma {
 
 enum class ProgramKind { integrate, count_nonfinite, inspect, inspect_scene };
 
+// struct params of this number type and its loader, from the entry's parameters.
+std::string params_source(const Integrand& f, const char* type);
+
 ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind);
 
 // The kernels of kernels/points/prepare/<piece>.cl, after the family's parts. The local size is

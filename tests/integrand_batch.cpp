@@ -1,0 +1,114 @@
+#include "tests/integrand_batch.hpp"
+
+#include <fmt/format.h>
+
+#include <regex>
+#include <set>
+
+#include "catalog/embedded.hpp"
+#include "plan/compose.hpp"
+
+namespace koksma::test {
+namespace {
+
+constexpr std::uint32_t kPoints = 16;
+
+// The points slot of a batch: coordinates that are given.
+constexpr const char* kGivenPoints =
+    "typedef struct { __global const scalar *x; uint dim; } points;\n"
+    "static inline real points_next(points *p) { return load_lanes(p->x + 16 * p->dim++); }\n";
+
+// What the piece defines at file scope: functions, constants and types, or macros.
+std::set<std::string> names(const std::string& code, const std::string& pattern) {
+  const std::regex expression(pattern);
+  std::set<std::string> found;
+  for (std::sregex_iterator i(code.begin(), code.end(), expression), end; i != end; ++i)
+    found.insert((*i)[1]);
+  return found;
+}
+
+// The piece with its own names made those of item k, so that others may have the same.
+std::string renamed(const Integrand& f, std::size_t k) {
+  std::set<std::string> own = names(f.code.text, R"(\nstatic [^;{=]*?(\w+)\()");
+  own.merge(names(f.code.text, R"(\n__constant \w+ (\w+))"));
+  own.insert({"integrand", "params", "load_params"});
+  std::string before, after;
+  for (const std::string& name : own) {
+    before += fmt::format("#define {0} {0}_{1}\n", name, k);
+    after += fmt::format("#undef {}\n", name);
+  }
+  for (const std::string& name : names(f.code.text, R"(\n *#define (\w+))"))
+    after += fmt::format("#undef {}\n", name);
+  return before + params_source(f, "scalar") +
+         fmt::format("#line 1 \"{}\"\n{}\n", f.code.path, f.code.text) + after;
+}
+
+ProgramSource batch_program(const std::vector<BatchItem>& items, bool fp64, std::uint32_t lanes) {
+  const std::uint32_t dim = items.front().scene.dim;
+  std::string text = fmt::format(
+      "#define KOKSMA_LANES_PER_ITEM {}\n#define KOKSMA_FP64 {}\n#define KOKSMA_DIM {}\n"
+      "#define KOKSMA_UNROLLED {}\n#define KOKSMA_CENTRED 1\n{}\n{}",
+      lanes, fp64 ? 1 : 0, dim, dim <= kMostUnrolledDim ? 1 : 0,
+      embedded_text("kernels/prelude.cl"), kGivenPoints);
+  std::set<std::string> transforms;
+  std::string pieces, calls;
+  for (std::size_t k = 0; k < items.size(); ++k) {
+    const Integrand& f = catalog().integrand(items[k].scene.integrand, "test");
+    for (const std::string& name : f.transforms)
+      if (transforms.insert(name).second) text += catalog().transform(name).code.text;
+    pieces += renamed(f, k);
+    calls +=
+        fmt::format("  if (item == {0}) y = integrand_{0}(&p, load_params_{0}(values), c);\n", k);
+  }
+  text +=
+      pieces +
+      "__kernel void evaluate(uint item, __global const scalar *x, __global const scalar *values,\n"
+      "                       coefficients c, __global scalar *out, __global uint *drawn) {\n"
+      "  const uint lane = (uint)get_global_id(0) * KOKSMA_LANES_PER_ITEM;\n"
+      "  points p;\n  p.x = x + lane;\n  p.dim = 0;\n  real y = R(0.0);\n" +
+      calls + "  store_lanes(y, out + lane);\n  drawn[get_global_id(0)] = p.dim;\n}\n";
+  return {"a batch of integrands", std::move(text), "-cl-std=CL1.2 -w"};
+}
+
+BatchValue evaluate_one(cl::Kernel& kernel, std::uint32_t index, const BatchItem& item, bool fp64,
+                        std::uint32_t lanes) {
+  const Integrand& f = catalog().integrand(item.scene.integrand, "test");
+  const ExactValues exact = compute_exact(device(), f, item.scene);
+  const cl::Buffer x = device().upload_reals(item.x, fp64);
+  const cl::Buffer values = device().upload_reals(item.scene.parameters, fp64);
+  const cl::Buffer coefficients = device().upload_reals(exact.coefficients, fp64);
+  const cl::Buffer out = device().allocate(kPoints * 8), drawn = device().allocate(kPoints * 4);
+  kernel.setArg(0, cl_uint{index});
+  kernel.setArg(1, x);
+  kernel.setArg(2, values);
+  kernel.setArg(3, coefficients);
+  kernel.setArg(4, out);
+  kernel.setArg(5, drawn);
+  cl::CommandQueue& queue = device().queue();
+  queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(kPoints / lanes), cl::NDRange(1));
+  BatchValue result;
+  result.f.resize(kPoints);
+  if (fp64) {
+    queue.enqueueReadBuffer(out, CL_TRUE, 0, kPoints * sizeof(double), result.f.data());
+  } else {
+    std::vector<float> narrow(kPoints);
+    queue.enqueueReadBuffer(out, CL_TRUE, 0, kPoints * sizeof(float), narrow.data());
+    result.f.assign(narrow.begin(), narrow.end());
+  }
+  queue.enqueueReadBuffer(drawn, CL_TRUE, 0, sizeof(cl_uint), &result.drawn);
+  return result;
+}
+
+}  // namespace
+
+std::vector<BatchValue> evaluate(const std::vector<BatchItem>& items, Precision precision,
+                                 std::uint32_t lanes) {
+  const bool fp64 = precision == Precision::fp64;
+  cl::Kernel kernel(device().build(batch_program(items, fp64, lanes)).program, "evaluate");
+  std::vector<BatchValue> result;
+  for (std::size_t k = 0; k < items.size(); ++k)
+    result.push_back(evaluate_one(kernel, static_cast<std::uint32_t>(k), items[k], fp64, lanes));
+  return result;
+}
+
+}  // namespace koksma::test
