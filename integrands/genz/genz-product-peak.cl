@@ -1,7 +1,7 @@
-// genz-product-peak: prod_j 1 / (1 + a_j^2 (x_j - u_j)^2), a_j = h (2j - 1) / d^2, u_j = (2 + (j mod 7))
+// genz-product-peak: prod_j 1 / (1 + a_j^2 (x_j - u_j)^2), a_j = h (2j - 1) / d^2 or all h, u_j = (2 + (j mod 7))
 // / 11. Genz (1984), family 2, normalised to height 1: Genz' own form is this times prod a_j^2.
 #ifdef KOKSMA_EXACT
-static double a_of(params q, uint d, uint j) { return q.h * (2.0 * j + 1) / ((double)d * d); }
+static double a_of(params q, uint d, uint j) { return q.equal == 1 ? q.h : q.h * (2.0 * j + 1) / ((double)d * d); }
 static double u_of(uint j) { return (2 + (j + 1) % 7) / 11.0; }
 static void legendre_16(uint k, double length, double *y, double *weight);  // exact.cl
 
@@ -75,14 +75,18 @@ static double exact_variation(params q, uint d) {
   return variation;
 }
 #else
-// One division for the whole product: at h <= 100 the denominators stay below 1e36.
+// One division for eight factors: at a <= 100 each is below 7e3, so that the product stays below 1e31.
 static inline real integrand(points *p, params q, coefficients c) {
-  real product = R(1.0);
+  real value = R(1.0), product = R(1.0);
   KOKSMA_UNROLL
   for (uint j = 0; j < KOKSMA_DIM; ++j) {
     const real t = c[2 * j] * (points_next(p) - c[2 * j + 1]);
     product *= fma(t, t, R(1.0));
+    if (j % 8 == 7 || j + 1 == KOKSMA_DIM) {
+      value /= product;
+      product = R(1.0);
+    }
   }
-  return R(1.0) / product;
+  return value;
 }
 #endif

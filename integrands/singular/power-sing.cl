@@ -4,12 +4,12 @@
 // The factor of the first k + 1 coordinates of a group of four.
 static void integrand_setup(params q, uint d, uint j, double *c) { c[0] = pown(1 - q.a, (int)(j + 1)); }
 
-// prod (1 + a^2 / (1 - 2a)) - 1, term by term; NaN, not infinite, where it only leaves the fp64 range.
+// prod (1 + a^2 / (1 - 2a)) - 1, term by term; the largest double, not infinity, where it only leaves the range.
 static double exact_variance(params q, uint d) {
   if (q.a >= 0.5) return INFINITY;
   double variance = 0;
   for (uint j = 0; j < d; ++j) variance += (1 + variance) * (q.a * q.a / (1 - 2 * q.a));
-  return isinf(variance) ? NAN : variance;
+  return fmin(variance, DBL_MAX);
 }
 #else
 static inline real integrand(points *p, params q, coefficients c) {

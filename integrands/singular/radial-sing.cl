@@ -28,7 +28,7 @@ static double mean_angular(params q, uint d, double centre, bool squared) {
 }
 
 static double exact_mean(params q, uint d) {
-  return q.a < d ? d / (d - q.a) * (1 + mean_angular(q, d, 0, false)) : NAN;
+  return q.a < d ? d / (d - q.a) * (1 + mean_angular(q, d, 0, false)) : INFINITY;
 }
 
 // Var AB = Var A Var B + Var A (E B)^2 + (E A)^2 Var B, all positive.

@@ -42,7 +42,7 @@ static double mean_rise(params q, uint d, double centre, bool squared) {
 }
 
 static double exact_mean(params q, uint d) {
-  return q.a < d ? pow(d / 2.0, -q.a) * (1 + mean_rise(q, d, 0, false)) : NAN;
+  return q.a < d ? pow(d / 2.0, -q.a) * (1 + mean_rise(q, d, 0, false)) : INFINITY;
 }
 
 static double exact_variance(params q, uint d) {
