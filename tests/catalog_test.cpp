@@ -187,6 +187,29 @@ TEST_CASE("a user's pair of files is an integrand like any other", "[unit]") {
   CHECK_FALSE(f.expected.empty());
 }
 
+TEST_CASE("rates may depend on a parameter over d, and the fourth moment may be stated", "[unit]") {
+  OwnPair own;
+  const auto read = [&] {
+    own.save();
+    const Catalog catalog = load_catalog({own.json_path});
+    return catalog.integrand("my-own", "test");
+  };
+  CHECK(read().fourth_moment == FourthMoment::estimated);
+  own.entry["exact"]["kurtosis"] = {{"from", "indicator"}, {"source", "test"}};
+  CHECK(read().fourth_moment == FourthMoment::indicator);
+  own.entry["exact"]["kurtosis"]["from"] = "unknown";
+  own.entry["expected"]["iid"] = {
+      {"constant", -1}, {"per_parameter_over_dimension", {{"power", 0.5}}}, {"source", "test"}};
+  const Integrand f = read();
+  CHECK(f.fourth_moment == FourthMoment::unknown);
+  const auto& factors = f.expected.at("iid").per_parameter_over_dimension;
+  REQUIRE(factors.size() == 1);
+  CHECK(f.parameters[factors[0].parameter].name == "power");
+  CHECK(factors[0].value == 0.5);
+  own.entry["expected"]["iid"]["per_parameter_over_dimension"] = {{"powr", 0.5}};
+  CHECK_THAT(own.refusal(), Contains("per_parameter_over_dimension") && Contains("power"));
+}
+
 TEST_CASE("a user's entry without code, or code without entry, is told by its path", "[unit]") {
   const OwnPair own;
   fs::remove(own.folder.path("mine.cl"));

@@ -167,6 +167,23 @@ TEST_CASE("exact results and errors that still fall below the floor are no plate
   CHECK(plateau_of(draw(engine, law)).kind == PlateauKind::none);
 }
 
+TEST_CASE("a curve that ends in zeros, however few, or still falls is not at a numeric plateau",
+          "[unit][estimate]") {
+  // x2-1mx2 at d = 1 on shifted lattices.
+  std::vector<double> errors = {3.1e-11, 3.6e-14, 2.2e-15, 1.5e-16, 0, 0, 0};
+  for (int zeros = 3; zeros >= 0; --zeros) {
+    INFO(zeros << " zeros");
+    Rows rows = single(8, errors);
+    for (ConvergenceRow& row : rows) row.floor = 1e-15;
+    CHECK(plateau_of(rows).kind == PlateauKind::none);
+    if (zeros > 0) CHECK(plateau_of(rows).reason == "the last rows are exact");
+    errors.pop_back();
+  }
+  Rows falling = single(8, {1e-9, 2.9e-15, 8e-16, 1.2e-15, 1e-16, 3e-16, 2e-17});
+  for (ConvergenceRow& row : falling) row.floor = 1e-15;
+  CHECK(plateau_of(falling).kind == PlateauKind::none);
+}
+
 TEST_CASE("power laws are called flat in fewer than 1 of 1000 curves", "[unit][estimate]") {
   std::mt19937_64 engine(65);
   constexpr int kCurves = 2000;

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "estimate/measure.hpp"
@@ -125,6 +126,14 @@ TEST_CASE("a rare event that was never hit is unresolved, whatever n_eff says",
   CHECK(decide_verdict(facts, 1).verdict == "OK");
 }
 
+TEST_CASE("a row that is excluded as unresolved is no plateau", "[unit][estimate]") {
+  CellFacts facts = sound();
+  facts.plateau.kind = PlateauKind::structural;
+  facts.unresolved_row = "unresolved: RMSE > E|f|/2";
+  CHECK(decide_verdict(facts, 1).verdict == "UNRESOLVED");
+  CHECK(decide_verdict(facts, 1).reason == "unresolved: RMSE > E|f|/2");
+}
+
 TEST_CASE("the bias test shares 1e-6 among the rows of the run", "[unit][estimate]") {
   // t_15 at 1e-6 two-sided is 7.8; at 1e-6 / 10^6 about 21. The offset makes 4 sd of a mean to z =
   // 16 or so.
@@ -167,6 +176,8 @@ TEST_CASE("no bias is claimed where the mean error has no t distribution", "[uni
   untested(facts, "excess kurtosis / N is not below 0.1");
   facts.excess_of_mean = 0.09;
   CHECK(decide_verdict(facts, 1).verdict == "BIASED");
+  facts.unbounded_tail = "nobody knows the tail";
+  untested(facts, "nobody knows the tail");
   facts = biased();
   facts.errors.kurtosis = 9;
   untested(facts, "the errors are not normal");
@@ -233,6 +244,16 @@ TEST_CASE("an interval that may not cover stays and says so", "[unit][estimate]"
   facts.excess_of_mean = 0.1;
   CHECK(reason_with(facts) == "may cover less: excess kurtosis / N is not below 0.1");
   facts.excess_of_mean.reset();
+  std::vector<double> variances = {1, 1, 1, 2.9};
+  facts.variances = variances;
+  CHECK(reason_with(facts).empty());
+  variances[3] = 3.1;
+  CHECK(reason_with(facts) == "may cover less: one replicate holds most of the variance");
+  facts.variances = std::span(variances).last(3);
+  CHECK(reason_with(facts).empty());
+  facts.unbounded_tail = "nobody knows the tail";
+  CHECK(reason_with(facts) == "may cover less: nobody knows the tail");
+  facts.unbounded_tail.clear();
   facts.heavy_tailed = true;
   CHECK(reason_with(facts) == "may cover more or less: heavy-tailed replicates");
 }

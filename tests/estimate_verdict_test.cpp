@@ -102,4 +102,14 @@ TEST_CASE("a rate may depend on parameters, down to a limit, and its gate on the
   CHECK(*judge(fitted(-1.5), rate_at(rate, steep), 1).expected == -1.5);
 }
 
+TEST_CASE("a rate may depend on a parameter over the dimension", "[unit][estimate]") {
+  // -1 + a / d
+  ExpectedRate rate = expected_rate(-1, 0, 8, 0.15, false);
+  rate.per_parameter_over_dimension = {{1, 1.0}};
+  const std::vector<double> parameters = {7, 2};
+  CHECK(expected_slope(rate, parameters, 4) == -0.5);
+  CHECK(expected_slope(rate, parameters, 8) == -0.75);
+  CHECK(*judge(fitted(-0.5), rate_at(rate, parameters), 4).target == -0.5);
+}
+
 }  // namespace koksma

@@ -69,9 +69,13 @@ struct ExactSource {
   enum class Kind { formula, mean, constant, table, none, undefined } kind = Kind::none;
   std::optional<double> value;  // of a constant
   double tolerance = 1e-13;     // relative error of a formula
-  bool infinite = false;        // an infinite result is one, not an overflow
+  bool infinite = false;        // an infinite result is one (mean: there is none), not an overflow
   std::string source;
 };
+
+// How the fourth moment of f is known: by an estimate, because f takes 0 and 1 only, or not at all
+// (infinite or unknown).
+enum class FourthMoment { estimated, indicator, unknown };
 
 // A number for one of an integrand's parameters, by its place among them.
 struct ParameterValue {
@@ -79,11 +83,12 @@ struct ParameterValue {
   double value = 0;
 };
 
-// RMSE ~ N^max(at_least, constant + per_dimension / d + sum per_parameter) for one class of
-// samplers, and where it may gate.
+// RMSE ~ N^max(at_least, constant + per_dimension / d + sum per_parameter + sum
+// per_parameter_over_dimension / d) for one class of samplers, and where it may gate.
 struct ExpectedRate {
   double constant = 0, per_dimension = 0;
-  std::vector<ParameterValue> per_parameter;  // factors of the parameters
+  std::vector<ParameterValue> per_parameter;                 // factors of the parameters
+  std::vector<ParameterValue> per_parameter_over_dimension;  // the same, of parameter / d
   std::optional<double> at_least;
   std::string source;
   std::optional<std::uint32_t> gate_max_d;
@@ -104,7 +109,8 @@ struct Integrand {
   bool all_coordinates = false;  // keeps all coordinates of a sample in private memory
   double ulps_fp32 = 8, ulps_fp64 = 8;  // largest error of one evaluation
   ExactSource mean, variance, mean_abs;
-  ExactSource variation;                         // of Hardy and Krause, anchored at 1
+  ExactSource variation;  // of Hardy and Krause, anchored at 1
+  FourthMoment fourth_moment = FourthMoment::estimated;
   std::map<std::string, ExpectedRate> expected;  // by sampler rate class
   Json checks, sample_checks;
   bool users_own = false;  // given on the command line: no test of the project has seen it

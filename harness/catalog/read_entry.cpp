@@ -56,6 +56,8 @@ void read_rates(const Json& rates, Integrand& f, std::string_view where) {
     rate.constant = entry.at("constant");
     rate.per_dimension = entry.value("per_dimension", 0.0);
     rate.per_parameter = read_parameter_values(entry, "per_parameter", f, where);
+    rate.per_parameter_over_dimension =
+        read_parameter_values(entry, "per_parameter_over_dimension", f, where);
     if (entry.contains("at_least")) rate.at_least = entry.at("at_least").get<double>();
     rate.source = entry.at("source");
     if (const auto gate = entry.find("gate"); gate != entry.end()) {
@@ -176,6 +178,9 @@ Integrand read_integrand(const Json& entry, const Json& classes, std::string_vie
   f.variance = read_exact(entry["exact"], "variance", where);
   f.mean_abs = read_exact(entry["exact"], "mean_abs", where);
   f.variation = read_exact(entry["exact"], "variation", where);
+  if (entry["exact"].contains("kurtosis"))
+    f.fourth_moment = entry["exact"]["kurtosis"]["from"] == "indicator" ? FourthMoment::indicator
+                                                                        : FourthMoment::unknown;
   f.checks = entry.value("checks", Json::array());
   f.sample_checks = entry.value("sample_checks", Json::array());
   f.code = std::move(code);

@@ -125,9 +125,12 @@ ExactValues compute_exact(Device& device, const Integrand& integrand, const Scen
       check_order(integrand, scene, result.dimension_order);
     }
   }
-  result.mean_undefined = integrand.mean.kind == Kind::undefined;
+  result.mean_undefined =
+      integrand.mean.kind == Kind::undefined || (integrand.mean.infinite && std::isinf(out[0]));
   result.infinite_variance = (integrand.variance.infinite && out[1] == INFINITY) ||
                              variance_check_says_infinite(integrand, scene);
+  result.variance_overflows =
+      integrand.variance.kind == Kind::formula && out[1] == INFINITY && !result.infinite_variance;
   result.mean = resolve(integrand.mean, out[0], std::nullopt, integrand, scene, "mean");
   result.variance = resolve(integrand.variance, out[1], std::nullopt, integrand, scene, "variance");
   result.mean_abs = resolve(integrand.mean_abs, out[2], result.mean, integrand, scene, "mean_abs");

@@ -16,6 +16,7 @@ struct ExactValues {
   std::optional<double> mean, variance, mean_abs;
   std::optional<double> variation;   // of Hardy and Krause, anchored at 1
   bool infinite_variance = false;    // known to be infinite; `variance` is then empty
+  bool variance_overflows = false;   // finite, but above the range of double; also empty
   bool mean_undefined = false;       // f has no mean; `mean` is then empty
   std::vector<double> coefficients;  // [dimension][coefficient]
   // Which dimension of the points the k-th draw takes, a permutation; empty: the k-th.

@@ -162,7 +162,10 @@ void Integrator::read_partials(const Launch& l, const PartialSums& take) {
 std::vector<double> Integrator::first_values(std::uint64_t count) {
   // Blocks of 16 samples: every lane's partial sum is one value; a sum of several words adds up to
   // it.
-  const std::uint64_t n = plan_.sampler->extensible ? count : plan_.cell.n.front();
+  std::uint64_t n = plan_.sampler->extensible ? count : plan_.cell.n.front();
+  if (!plan_.sampler->extensible)
+    for (const std::uint64_t size : plan_.cell.n)
+      if (size <= count) n = std::max(n, size);
   const std::uint64_t blocks = std::min(count, rounded_up(n, kLanes)) / kLanes;
   std::vector<double> values(blocks * kLanes, 0.0);
   std::vector<std::size_t> filled(plan_.sum->words, 0);

@@ -33,8 +33,8 @@ class Integrator {
                     std::uint64_t end_block, std::uint32_t replicates, double y0,
                     const PartialSums& take);
 
-  // f at the first `count` points of replicate 0, count a multiple of 16; fewer where the smallest
-  // N of a set that is not extensible is less.
+  // f at the first `count` points of replicate 0, count a multiple of 16. Of a set that is not
+  // extensible those of the cell's largest N that is not above count, or of its smallest N.
   std::vector<double> first_values(std::uint64_t count = 16);
   // Uploads the table of the set of n points, where sets of different n have different ones.
   void prepare(std::uint64_t n);

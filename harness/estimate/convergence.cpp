@@ -52,8 +52,9 @@ std::string why_excluded(const ConvergenceRow& row, std::size_t replicates,
   // Written so that a NaN excludes.
   if (!(rmse >= kFloorFactor * row.floor)) return "below the floor: RMSE < 3 F";
   if (options.infinite_variance) return "";
-  if (row.mean_abs && !(rmse <= *row.mean_abs / 2)) return "unresolved: RMSE > E|f|/2";
-  if (unresolved(row)) return "unresolved: n_eff < 30";
+  if (row.mean_abs && !(rmse <= *row.mean_abs / 2))
+    return fmt::format("{}RMSE > E|f|/2", kUnresolved);
+  if (unresolved(row)) return fmt::format("{}n_eff < 30", kUnresolved);
   return "";
 }
 

@@ -91,6 +91,9 @@ inline constexpr std::size_t kGateRows = 8;
 // Effective samples below which nothing is said about an error (page 5, section 0).
 inline constexpr double kFewestEffective = 30;
 
+// How the reason begins why an unresolved row is excluded.
+inline constexpr std::string_view kUnresolved = "unresolved: ";
+
 // Below so many estimated floors an error is one of rounding (page 5, section 2.9).
 inline constexpr double kFloorFactor = 3;
 

@@ -21,7 +21,8 @@ struct TimePoint {
 // 1/(MSE·time): P. L'Ecuyer, Efficiency improvement and variance reduction, WSC 1994, eq. 1.
 std::optional<double> efficiency(double rmse, double seconds);
 
-// σ²/(N·MSE): how many times the samples plain Monte Carlo needs for the same error.
+// σ²/(N·MSE), N all samples of one estimate: how many times those plain Monte Carlo needs for the
+// same error.
 std::optional<double> variance_reduction(double variance, std::uint64_t samples, double rmse);
 
 struct TimeToTolerance {

@@ -49,24 +49,9 @@ std::optional<double> scale_of(const ExactValues& exact) {
   return std::nullopt;
 }
 
-// Fourth central moment over the squared second, minus 3; of finite values.
-std::optional<double> excess_kurtosis(const std::vector<double>& values) {
-  ExactSum sum;
-  sum.add(values);
-  if (values.size() < 2 || sum.nonfinite() > 0) return std::nullopt;
-  const double mean = sum.rounded_quotient(values.size());
-  double m2 = 0, m4 = 0;
-  for (const double y : values) {
-    const double square = (y - mean) * (y - mean);
-    m2 += square;
-    m4 += square * square;
-  }
-  if (!(m2 > 0)) return std::nullopt;
-  return static_cast<double>(values.size()) * m4 / (m2 * m2) - 3;
-}
-
-// N (E|f|)^2 / E f^2, where the moments are known.
+// N (E|f|)^2 / E f^2, where the moments are known; 0 where E f^2 is above all numbers.
 std::optional<double> effective_samples(const ExactValues& exact, std::uint64_t n) {
+  if (exact.variance_overflows) return 0;
   if (!exact.mean || !exact.variance || !exact.mean_abs) return std::nullopt;
   const double second_moment = *exact.variance + *exact.mean * *exact.mean;
   if (second_moment <= 0) return std::nullopt;
@@ -156,9 +141,30 @@ PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact
   y0_ = median_of_finite(integrator_->first_values());
   if (!plan_->stores_doubles()) y0_ = static_cast<float>(y0_);
   if (plan_->estimator->moments == 1) y0_ = 0;
-  if (declares(plan_->sampler->validity, "iid"))
-    kurtosis_ = excess_kurtosis(integrator_->first_values(kKurtosisSamples));
+  if (declares(plan_->sampler->validity, "iid") || plan_->estimator->interval == "normal")
+    estimate_kurtosis_of_f();
   build_s_ = seconds_since(start) - integrator_->setup_s();
+}
+
+// Of a set that is built per N, the first values of a larger N are not spread over the cube: there
+// it stays unknown.
+void PreparedCell::estimate_kurtosis_of_f() {
+  if (const auto stated = stated_kurtosis(*plan_->integrand, exact_)) {
+    kurtosis_ = *stated;
+    return;
+  }
+  if (!plan_->sampler->extensible && plan_->cell.n.front() > kKurtosisSamples) return;
+  std::vector<double> values = integrator_->first_values(kKurtosisSamples);
+  if (plan_->estimator->second_moment != "pair-means") {
+    kurtosis_ = estimate_kurtosis(values, exact_.variance);
+    return;
+  }
+  // The mean is one of N/2 terms, the means of samples 2i and 2i + 1.
+  const std::size_t pairs = values.size() / 2;
+  for (std::size_t i = 0; i < pairs; ++i) values[i] = (values[2 * i] + values[2 * i + 1]) / 2;
+  values.resize(pairs);
+  kurtosis_ = estimate_kurtosis(values, std::nullopt);
+  if (kurtosis_.excess) *kurtosis_.excess *= 2;
 }
 
 double PreparedCell::once(std::uint64_t n, Sums& sums) {
@@ -210,20 +216,23 @@ void PreparedCell::summarise(const Sums& sums, Row& row) {
                       : estimates;
   row.errors = summarise_errors(row.estimates, exact_.mean);
   row.estimate = summarise_estimate(*plan_->estimator, {estimates, variances, row.n});
-  qualify(row);
+  const auto n_eff = effective_samples(exact_, row.n);
+  row.unresolved = !exact_.infinite_variance && n_eff && !(*n_eff >= kFewestEffective);
+  qualify(row, variances);
   if (!declares(plan_->sampler->validity, "iid")) {
     row.mc_test.reason = "the samples are not independent";
     return;
   }
-  const auto n_eff = effective_samples(exact_, row.n);
   if (!exact_.mean || !exact_.variance || !(*exact_.variance > 0)) {
     row.mc_test.reason = "no exact variance";
-  } else if (n_eff && *n_eff < kFewestEffective) {
+  } else if (row.unresolved) {
     row.mc_test.reason = "unresolved: n_eff below 30";
+  } else if (!kurtosis_.unbounded.empty()) {
+    row.mc_test.reason = kurtosis_.unbounded;
   } else if (!faulty) {
     std::vector<double> errors;
     for (const double q : row.estimates) errors.push_back(q - *exact_.mean);
-    row.mc_test = test_mc_variance(errors, row.n, *exact_.variance, kurtosis_);
+    row.mc_test = test_mc_variance(errors, row.n, *exact_.variance, kurtosis_.excess);
   } else {
     row.mc_test.reason = "non-finite samples";
   }
@@ -247,14 +256,16 @@ void PreparedCell::take_errors(CellResult& result,
 }
 
 // Takes back what the row's samples cannot support.
-void PreparedCell::qualify(Row& row) const {
+void PreparedCell::qualify(Row& row, const std::vector<double>& variances) const {
   const bool pooled = plan_->estimator->interval == "normal";
   const std::uint64_t samples = pooled ? row.n * plan_->cell.replicates : row.n;
   IntervalFacts facts;
   facts.mean_undefined = exact_.mean_undefined;
   facts.infinite_variance = exact_.infinite_variance;
   facts.n_eff = effective_samples(exact_, samples);
-  if (kurtosis_) facts.excess_of_mean = *kurtosis_ / static_cast<double>(samples);
+  if (kurtosis_.excess) facts.excess_of_mean = *kurtosis_.excess / static_cast<double>(samples);
+  facts.unbounded_tail = kurtosis_.unbounded;
+  facts.variances = variances;
   facts.heavy_tailed = !pooled && row.errors.heavy_tailed;
   qualify_interval(row.estimate, facts);
   if (exact_.infinite_variance) drop_rmse(row.errors);
@@ -271,7 +282,11 @@ CellFacts PreparedCell::facts_of(const CellResult& result) const {
   for (const Row& row : result.rows) facts.nonfinite += row.nonfinite;
   facts.n_eff = effective_samples(exact_, last.n);
   facts.errors = last.errors;
-  if (kurtosis_) facts.excess_of_mean = *kurtosis_ / samples;
+  if (kurtosis_.excess) facts.excess_of_mean = *kurtosis_.excess / samples;
+  facts.unbounded_tail = kurtosis_.unbounded;
+  for (const ExcludedRow& row : result.rate.excluded)
+    if (row.samples == last.n && row.reason.starts_with(kUnresolved))
+      facts.unresolved_row = row.reason;
   if (exact_.variance && declares(plan_->sampler->validity, "iid"))
     facts.exact_sd = std::sqrt(*exact_.variance / samples);
   facts.floor = result.floor;

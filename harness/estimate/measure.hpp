@@ -11,6 +11,7 @@
 #include "device/integrator.hpp"
 #include "estimate/convergence.hpp"
 #include "estimate/estimators.hpp"
+#include "estimate/kurtosis.hpp"
 #include "estimate/mc_test.hpp"
 #include "estimate/reference.hpp"
 #include "estimate/stability.hpp"
@@ -29,6 +30,7 @@ struct Row {
   std::uint64_t n = 0;  // samples per replicate
   std::uint32_t log2_block = 0;
   std::vector<double> estimates;  // Q_r
+  bool unresolved = false;        // n_eff < 30 in one replicate: its errors mean nothing
   ErrorStatistics errors;
   Estimate estimate;
   McTest mc_test;
@@ -80,7 +82,8 @@ class PreparedCell {
   double once(std::uint64_t n, Sums& sums);
   void summarise(const Sums& sums, Row& row);
   void take_errors(CellResult& result, const std::optional<Reference>& reference) const;
-  void qualify(Row& row) const;
+  void qualify(Row& row, const std::vector<double>& variances) const;
+  void estimate_kurtosis_of_f();
   CellFacts facts_of(const CellResult& result) const;
 
   const Catalog& catalog_;
@@ -89,8 +92,7 @@ class PreparedCell {
   std::unique_ptr<Integrator> integrator_;
   double build_s_ = 0;
   double y0_ = 0;
-  std::optional<double>
-      kurtosis_;  // excess kurtosis of f, estimated, for the test of independent samples
+  Kurtosis kurtosis_;  // of f, where a normal approximation over its values is used
 };
 
 // The level below which errors are rounding, not sampling: E|f| (4 u + sqrt(n) u_sum), u of the

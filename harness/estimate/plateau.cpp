@@ -19,8 +19,6 @@ constexpr std::size_t kFewestFlatRows = 4;
 constexpr double kNumericFactor = 10;
 // Rows of nearly the same N have nearly the same points, and so the same error, flat or not.
 constexpr double kFewestOctaves = 3;
-// At the floor the burden of proof is reversed: 95 % two-sided that the error still falls.
-constexpr double kFallLevel = 0.025;
 // Of the variance of log2 RMSE over normal replicates: below this share, they agree with each
 // other.
 constexpr double kAgreement = 0.25;
@@ -126,9 +124,9 @@ bool exceeds(double difference, double error, std::size_t freedom, double level)
   return difference > error * quantile(complement(distribution, level));
 }
 
-// Is the slope of the end above `reference` (sign 1) or below it (sign −1), at this level?
-bool differs(const End& end, double reference, double sign, double level) {
-  const double difference = sign * (end.slope - reference);
+// Is the slope of the end above `reference`, at this level?
+bool is_above(const End& end, double reference, double level) {
+  const double difference = end.slope - reference;
   const std::size_t replicates = end.points.front().row->errors.size();
   if (replicates > 1 && !exceeds(difference, end.replicate_error, replicates - 1, level))
     return false;
@@ -177,7 +175,7 @@ std::optional<Plateau> flat_end(const std::vector<Point>& curve) {
   for (std::size_t rows = curve.size(); rows >= kFewestFlatRows; --rows) {
     if (!long_enough(curve, rows)) continue;
     const End end = make_end(curve, rows);
-    if (end.slope <= -kFlatSlope || !differs(end, kSlowestRate, 1, level)) continue;
+    if (end.slope <= -kFlatSlope || !is_above(end, kSlowestRate, level)) continue;
     Plateau plateau = describe(end);
     // Rounding may also rise with N, as that of a naive sum does.
     if (end.slope >= kFlatSlope && plateau.kind != PlateauKind::numeric) continue;
@@ -190,15 +188,12 @@ std::optional<Plateau> flat_end(const std::vector<Point>& curve) {
   return std::nullopt;
 }
 
-// At the floor, where flat is what a curve must become: the slope alone decides, as page 5 has it,
-// and where all rows at the floor jump about, that they do not fall.
+// At the floor, where flat is what a curve must become: the slope alone decides, as page 5 has it.
 std::optional<Plateau> end_at_floor(const std::vector<Point>& curve) {
-  const std::size_t all = rows_at_floor(curve);
-  for (std::size_t rows = all; rows >= kFewestFlatRows; --rows) {
+  for (std::size_t rows = rows_at_floor(curve); rows >= kFewestFlatRows; --rows) {
     if (!long_enough(curve, rows)) break;
     const End end = make_end(curve, rows);
-    if (rows < all && end.slope <= -kFlatSlope) continue;
-    if (differs(end, -kFlatSlope, -1, kFallLevel)) continue;
+    if (end.slope <= -kFlatSlope) continue;
     Plateau plateau = describe(end);
     plateau.reason =
         fmt::format("slope {:.2f} over the last {} rows, all below 3 estimated floors of {:.2g}",
@@ -285,11 +280,9 @@ std::string_view plateau_name(PlateauKind kind) {
 
 Plateau find_plateau(const std::vector<const ConvergenceRow*>& rows) {
   const std::vector<Point> curve = curve_of(rows);
-  const auto exact = [](const Point& p) { return p.rmse == 0; };
   if (curve.size() < kFewestFlatRows) return none_because("fewer than 4 rows");
-  // Exact results are not stuck.
-  if (std::all_of(curve.end() - kFewestFlatRows, curve.end(), exact))
-    return none_because("the last rows are exact");
+  // Exact results are not stuck, however few.
+  if (curve.back().rmse == 0) return none_because("the last rows are exact");
   if (auto plateau = end_at_floor(curve)) return *plateau;
   if (auto plateau = flat_end(curve)) return *plateau;
   return none_because("the end is not flat");

@@ -55,8 +55,8 @@ inline constexpr double kPlateauLevel = 2e-4;
 
 // The longest end of at least 4 rows and 3 octaves that is flat: |slope| < 0.1, and significantly
 // above kSlowestRate. Nothing has to be significant where each row is at the floor (RMSE < 3 F):
-// there the longest end with slope > -0.1 counts, or all those rows if they do not significantly
-// fall. A numeric end may also rise, as naive sums do. Rows by ascending N, equal in their number
+// there the longest end with slope > -0.1 counts. A numeric end may also rise, as naive sums do. A
+// curve whose last RMSE is 0 ends exact, and not flat. Rows by ascending N, equal in their number
 // of replicates, finite.
 Plateau find_plateau(const std::vector<const ConvergenceRow*>& rows);
 

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <numeric>
 
 namespace koksma {
 
@@ -26,6 +28,7 @@ std::string why_no_t(const CellFacts& facts) {
   if (e.replicates < 2) return "one replicate";
   if (!e.sd || !(*e.sd > 0)) return "the replicates do not differ";
   if (e.heavy_tailed) return "heavy-tailed errors";
+  if (!facts.unbounded_tail.empty()) return facts.unbounded_tail;
   if (facts.excess_of_mean && !(*facts.excess_of_mean < kLargestExcess))
     return "excess kurtosis / N is not below 0.1";
   // A normal row is lost in 1 of 100 cases. What is left of other tails could not reach 1e-6.
@@ -63,7 +66,7 @@ std::string why_unresolved(const CellFacts& facts) {
   if (hit_nothing(facts)) return "every sample of f is 0";
   if (!facts.infinite_variance && facts.n_eff && !(*facts.n_eff >= kFewestEffective))
     return fmt::format("n_eff = {:.2g} of one replicate is below 30", *facts.n_eff);
-  return "";
+  return facts.unresolved_row;
 }
 
 void decide_on_errors(const CellFacts& facts, const BiasTest& bias, CellVerdict& result) {
@@ -95,6 +98,15 @@ void decide_on_errors(const CellFacts& facts, const BiasTest& bias, CellVerdict&
   if (!result.reason.empty()) result.reason += "; ";
   result.reason +=
       bias.untested.empty() ? "the bias is that of the floor" : "bias not tested: " + bias.untested;
+}
+
+// Of four or more equal replicates none holds more than half: what it met, the others missed, and
+// all may have missed more.
+bool one_rules(std::span<const double> variances) {
+  constexpr std::size_t kFewest = 4;
+  if (variances.size() < kFewest) return false;
+  const double sum = std::accumulate(variances.begin(), variances.end(), 0.0);
+  return *std::max_element(variances.begin(), variances.end()) > sum / 2;
 }
 
 }  // namespace
@@ -144,7 +156,11 @@ void qualify_interval(Estimate& estimate, const IntervalFacts& facts) {
     return;
   }
   if (!estimate.interval) return;
-  if (facts.excess_of_mean && !(*facts.excess_of_mean < kLargestExcess)) {
+  if (!facts.unbounded_tail.empty()) {
+    estimate.reason = "may cover less: " + facts.unbounded_tail;
+  } else if (one_rules(facts.variances)) {
+    estimate.reason = "may cover less: one replicate holds most of the variance";
+  } else if (facts.excess_of_mean && !(*facts.excess_of_mean < kLargestExcess)) {
     estimate.reason = "may cover less: excess kurtosis / N is not below 0.1";
   } else if (facts.heavy_tailed) {
     estimate.reason = "may cover more or less: heavy-tailed replicates";

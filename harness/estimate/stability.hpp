@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -19,7 +20,8 @@ namespace koksma {
 // In order of priority:
 // NOT_INTEGRABLE       f has no mean, so nothing converges
 // DOMAIN_FAULT         a sample of any row is not finite
-// UNRESOLVED           n_eff < 30 in one replicate, or no sample of f ≥ 0 other than 0
+// UNRESOLVED           n_eff < 30 in one replicate, no sample of f ≥ 0 other than 0, or the row is
+//                      excluded from the rate as unresolved for another reason
 // PLATEAU_NUMERIC      the curve ends flat at its estimated floor
 // PLATEAU_STRUCTURAL   the curve ends flat above it
 // BIASED               the mean error over the replicates is not chance and not the floor
@@ -42,6 +44,8 @@ struct CellFacts {
   ErrorStatistics errors;
   std::optional<double>
       excess_of_mean;              // excess kurtosis of Q_r, where the samples are independent
+  std::string unbounded_tail;      // why that may be anything, else empty
+  std::string unresolved_row;      // why it is excluded from the rate as unresolved, else empty
   std::optional<double> exact_sd;  // of Q_r: σ/√N, where the samples are independent
   double floor = 0;
   // Of the curve.
@@ -62,7 +66,9 @@ inline constexpr double kLargestExcess = 0.1;
 struct IntervalFacts {
   bool mean_undefined = false, infinite_variance = false;
   std::optional<double> n_eff, excess_of_mean;
-  bool heavy_tailed = false;  // the errors of the replicates
+  std::string unbounded_tail;         // why the excess kurtosis may be anything, else empty
+  std::span<const double> variances;  // of the replicates that are pooled
+  bool heavy_tailed = false;          // the errors of the replicates
 };
 
 // Takes the standard error and the interval away where they mean nothing (no mean, infinite

@@ -35,6 +35,9 @@ ExpectedRate rate_at(ExpectedRate rate, std::span<const double> parameters) {
   for (const ParameterValue& factor : rate.per_parameter)
     rate.constant += factor.value * parameters[factor.parameter];
   rate.per_parameter.clear();
+  for (const ParameterValue& factor : rate.per_parameter_over_dimension)
+    rate.per_dimension += factor.value * parameters[factor.parameter];
+  rate.per_parameter_over_dimension.clear();
   for (const ParameterValue& bound : rate.gate_parameters_at_most)
     if (!(parameters[bound.parameter] <= bound.value)) rate.gate_max_d.reset();
   rate.gate_parameters_at_most.clear();

@@ -65,6 +65,8 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
       static_cast<double>(row.n) * result.cell.replicates * estimator.replicates_per_estimate;
   const double seconds = row.kernel.median / result.cell.replicates;  // of one replicate
   const ErrorStatistics& e = row.errors;
+  // What rests on an RMSE that f has been missed by means nothing.
+  const bool resolved = e.rmse && !row.unresolved;
   Json json;
   json["n"] = row.n;
   json["log2_block"] = row.log2_block;
@@ -77,10 +79,10 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
                           : result.reference ? Json("own best estimate")
                                              : Json(nullptr);
   json["rmse"] = number_or_null(e.rmse);
-  json["rmse_interval"] = e.rmse_low && e.rmse_high
+  json["rmse_interval"] = resolved && e.rmse_low && e.rmse_high
                               ? interval_json(Interval{*e.rmse_low, *e.rmse_high})
                               : Json(nullptr);
-  json["rmse_interval_method"] = e.rmse_interval_method;
+  json["rmse_interval_method"] = row.unresolved ? "unresolved" : e.rmse_interval_method;
   json["median_abs_error"] = number_or_null(e.median_abs);
   json["bias"] = number_or_null(e.bias);
   json["sd"] = number_or_null(e.sd);
@@ -97,10 +99,11 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
   json["coordinates_per_s"] = row.kernel.median > 0
                                   ? Json(samples * result.cell.scene.dim / row.kernel.median)
                                   : Json(nullptr);
-  json["efficiency"] = e.rmse ? number_or_null(efficiency(*e.rmse, seconds)) : Json(nullptr);
+  json["efficiency"] = resolved ? number_or_null(efficiency(*e.rmse, seconds)) : Json(nullptr);
   json["variance_reduction"] =
-      e.rmse && result.exact.variance
-          ? number_or_null(variance_reduction(*result.exact.variance, row.n, *e.rmse))
+      resolved && result.exact.variance
+          ? number_or_null(variance_reduction(*result.exact.variance,
+                                              row.n * estimator.replicates_per_estimate, *e.rmse))
           : Json(nullptr);
   json["speed_up"] = nullptr;  // set by the report, which sees the other cells
   return json;
@@ -162,7 +165,7 @@ Json stability_json(const CellResult& result) {
 }
 
 // Kernel time of one replicate to each relative tolerance (of |I|, or absolute where I = 0), from
-// the rows that measure the kernel and not its launch.
+// the resolved rows that measure the kernel and not its launch.
 Json efficiency_json(const CellResult& result) {
   Json json = {{"relative_to", nullptr}, {"time_to_tolerance", Json::array()}};
   if (!result.exact.mean && !result.reference) return json;
@@ -172,7 +175,7 @@ Json efficiency_json(const CellResult& result) {
   std::vector<TimePoint> points;
   double largest = 0;
   for (const Row& row : result.rows) {
-    if (!row.errors.rmse || launch_bound(row)) continue;
+    if (!row.errors.rmse || row.unresolved || launch_bound(row)) continue;
     points.push_back({row.kernel.median / result.cell.replicates, *row.errors.rmse});
     largest = std::max(largest, *row.errors.rmse);
   }

@@ -30,9 +30,11 @@ std::string host_name() {
 }
 
 // N / (variance * seconds) of the largest N of an mc cell: the efficiency of plain Monte Carlo does
-// not depend on N, and its exact variance is less noisy than its errors.
+// not depend on N, and its exact variance is less noisy than its errors. Not of a cell that cannot
+// reach that variance.
 std::optional<double> mc_efficiency(const Json& cell) {
   if (cell["estimator"] != "mc" || cell["rows"].empty()) return std::nullopt;
+  if (cell["stability"]["verdict"] == "UNRESOLVED") return std::nullopt;
   const Json& variance = cell["scene"]["exact"]["variance"]["value"];
   const double seconds = cell["rows"].back()["seconds_per_replicate"];
   if (!variance.is_number() || !(variance.get<double>() > 0) || !(seconds > 0)) return std::nullopt;
@@ -51,8 +53,9 @@ void add_speed_ups(Json& cells) {
   for (Json& cell : cells) {
     const auto found = reference.find(key(cell));
     cell["efficiency"]["speed_up_over"] =
-        found == reference.end() ? "no cell of this scene has estimator mc and an exact variance"
-                                 : "estimator mc at its largest N, by the exact variance";
+        found == reference.end()
+            ? "no resolved cell of this scene has estimator mc and an exact variance"
+            : "estimator mc at its largest N, by the exact variance";
     if (found == reference.end()) continue;
     for (Json& row : cell["rows"])
       if (row["efficiency"].is_number())
