@@ -161,6 +161,23 @@ TEST_CASE("explain prints the kernel that runs and what was left out and why", "
           (f.name == "linear-prod"));
 }
 
+TEST_CASE("explain counts the randomizations of a median, all of which have a table", "[device]") {
+  const CommandResult result = run_command(
+      "explain --scene linear-prod:d=2 --sampler sobol-lms-shift --estimator median --n 2^8 "
+      "--replicates 4");
+  INFO(result.output);
+  CHECK_THAT(result.output,
+             Contains("median, 4 replicates: medians of 15 randomizations, 60 in all\n"));
+  const std::size_t at = result.output.find("point table ");
+  REQUIRE(at != std::string::npos);
+  std::istringstream line(result.output.substr(at));
+  std::string word, bytes_word;
+  double bytes = 0, each = 0;
+  line >> word >> word >> bytes >> bytes_word >> each;
+  CHECK(each == Approx(bytes / 2 / 60).margin(0.051));
+  CHECK_THAT(result.output, Contains(" per dimension and randomization\n"));
+}
+
 TEST_CASE("a deterministic net is refused where fp32 cannot tell its points apart", "[device]") {
   const koksma::test::TemporaryFolder folder;
   const CommandResult points =

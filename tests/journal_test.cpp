@@ -294,7 +294,7 @@ TEST_CASE("results that break the schema are told by their place and are not wri
     CHECK_THROWS_AS(write_results(bad, folder.path("r.json")), InputError);
     CHECK(files_in(folder) == 0);
   };
-  refused([](Json& r) { r["schema_version"] = 2; });
+  refused([](Json& r) { r["schema_version"] = kResultsSchemaVersion + 1; });
   refused([](Json& r) { r.erase("context"); });
   refused([](Json& r) { r["cells"][0]["status"] = "fine"; });
   refused([](Json& r) { r["cells"][0]["stauts"] = "ok"; });
@@ -302,6 +302,21 @@ TEST_CASE("results that break the schema are told by their place and are not wri
   refused([](Json& r) { r["cells"][0]["rows"].push_back(Json::object()); });
   write_results(good, folder.path("r.json"));
   CHECK(Json::parse(read_text_file(folder.path("r.json"))) == good);
+}
+
+TEST_CASE("every committed results file follows the schema", "[unit]") {
+  std::size_t checked = 0;
+  for (const auto& file : fs::directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / "results")) {
+    if (file.path().extension() != ".json") continue;
+    const Json results = Json::parse(read_text_file(file.path().string()));
+    // Of the program's own files, those of a run have cells.
+    if (!results.contains("schema_version") || !results.contains("cells")) continue;
+    const std::string name = file.path().filename().string();
+    INFO(name);
+    CHECK_NOTHROW(check_schema(results, "results/results.schema.json", name));
+    ++checked;
+  }
+  CHECK(checked > 0);
 }
 
 TEST_CASE("bytes that are no UTF-8 do not lose what was measured", "[unit]") {

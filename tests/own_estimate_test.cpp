@@ -5,7 +5,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "estimate/measure.hpp"
 #include "estimate/reference.hpp"
+#include "journal/cell_json.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
@@ -38,9 +40,11 @@ struct OwnIntegrand {
   }
 
   Json run(const std::string& arguments) {
-    const auto result =
-        run_command(fmt::format("run --integrand {} --scene bell:d=2 --n 2^8..2^13 --out {} {}",
-                                folder.path("bell.json"), results, arguments));
+    return run_study("--scene bell:d=2 --n 2^8..2^14 " + arguments);
+  }
+  Json run_study(const std::string& arguments) {
+    const auto result = run_command(fmt::format("run --integrand {} --out {} {}",
+                                                folder.path("bell.json"), results, arguments));
     INFO(result.output);
     REQUIRE(result.status == 0);
     output = result.output;
@@ -50,6 +54,16 @@ struct OwnIntegrand {
 };
 
 const double kIntegral = std::pow(std::sqrt(std::acos(-1.0)) / 2 * std::erf(1.0), 2);
+
+void check_measured_against_itself(const Json& row) {
+  CHECK(row["error_reason"] == "measured against itself");
+  CHECK(row["error_against"] == "own best estimate");
+  for (const char* key : {"rmse", "rmse_interval", "median_abs_error", "bias", "rho", "efficiency",
+                          "variance_reduction", "speed_up"}) {
+    INFO(key);
+    CHECK(row[key].is_null());
+  }
+}
 
 const Json& cell_of(const Json& results, const std::string& sampler) {
   for (const Json& cell : results["cells"])
@@ -78,20 +92,107 @@ TEST_CASE("without an exact value, errors are against the cell that theory trust
                                                          : -1.44;
     CHECK(cell["convergence"]["rate"].get<double>() == Approx(expected).margin(0.2));
   }
+  check_measured_against_itself(best["rows"].back());
+  CHECK(best["convergence"]["rows_excluded"].back() ==
+        Json{{"n", 16384}, {"reason", "measured against itself"}});
   CHECK(cell_of(results, "random")["reference"]["from"] ==
-        "sobol-owen with rqmc, N = 8192, 32 replicates");
+        "sobol-owen with rqmc, N = 16384, 32 replicates");
+  CHECK(cell_of(results, "random")["reference"]["standard_error"] ==
+        best["rows"].back()["standard_error"]);
   const double bias = cell_of(results, "sobol")["rows"][0]["bias"];
   const double estimate = cell_of(results, "sobol")["rows"][0]["estimate"];
   CHECK(bias == Approx(estimate - value).epsilon(1e-12));
 }
 
-TEST_CASE("alone, a cell is measured against its own last estimate", "[device]") {
+TEST_CASE("alone, a cell is measured against its own last estimate, which has no error itself",
+          "[device]") {
   OwnIntegrand own(R"({"from": "none"})");
-  const Json results = own.run("--sampler random");
-  const Json& cell = cell_of(results, "random");
-  CHECK(cell["reference"]["from"] == "this cell at N = 8192");
-  CHECK(cell["rows"].back()["bias"].get<double>() == Approx(0).margin(1e-15));
-  CHECK(cell["rows"][0]["rmse"].get<double>() > 0);
+  const Json repeated = own.run("--sampler random")["cells"][0];
+  CHECK(own.output.find("measured against itself") != std::string::npos);
+  CHECK(repeated["reference"]["from"] == "this cell at N = 16384");
+  CHECK(repeated["reference"]["standard_error"].get<double>() > 0);
+  check_measured_against_itself(repeated["rows"].back());
+  CHECK(repeated["rows"].back()["estimate"].is_number());
+  CHECK(repeated["rows"][0]["rmse"].get<double>() > 0);
+  CHECK(repeated["rows"][0]["error_reason"] == "");
+  CHECK(repeated["convergence"]["rate"].is_number());
+
+  // A single set's errors are differences between its own prefixes.
+  const Json single = own.run("--sampler sobol")["cells"][0];
+  CHECK(single["reference"]["from"] == "this cell at N = 16384; error of the reference unknown");
+  CHECK(single["reference"]["standard_error"].is_null());
+  check_measured_against_itself(single["rows"].back());
+  CHECK(single["convergence"]["rate"].is_null());
+  CHECK(single["convergence"]["reason"] == "measured against itself");
+  CHECK(single["convergence"]["rows_excluded"].size() == single["rows"].size());
+}
+
+TEST_CASE("rows below the reference's error are marked, rated by nothing, and no plateau",
+          "[device]") {
+  // A coarse reference; sobol at 2^16 is far better. Of the median, the error is from its interval.
+  const std::string best = GENERATE(R"("samplers": ["sobol-owen"], "estimator": "rqmc")",
+                                    R"("samplers": ["sobol-lms-shift"], "estimator": "median")");
+  OwnIntegrand own(R"({"from": "none"})");
+  const std::string study = own.folder.write("study.json", fmt::format(R"({{"cells": [
+        {{"scenes": ["bell:d=2"], {}, "n": "2^8", "replicates": 4}},
+        {{"scenes": ["bell:d=2"], "samplers": ["sobol"], "n": "2^8..2^18"}}]}})",
+                                                                       best));
+  const Json results = own.run_study(study);
+  INFO(best);
+  CHECK(own.output.find("below the reference's error") != std::string::npos);
+  const Json& cell = cell_of(results, "sobol");
+  const double error = cell["reference"]["standard_error"];
+  CHECK(error > 0);
+  const std::string from = cell["reference"]["from"];
+  CHECK((from.find("its error is from its interval") != std::string::npos) ==
+        (best.find("median") != std::string::npos));
+  std::size_t below = 0;
+  for (const Json& row : cell["rows"]) {
+    INFO(row["n"]);
+    CHECK(row["error_against"] == "own best estimate");
+    CHECK(row["below_reference"] == (row["rmse"].get<double>() < 3 * error));
+    CHECK(row["efficiency"].is_null() == row["below_reference"].get<bool>());
+    CHECK(row["error_reason"].get<std::string>().empty() != row["below_reference"].get<bool>());
+    below += row["below_reference"].get<bool>() ? 1 : 0;
+  }
+  CHECK(below >= 4);
+  CHECK(below < cell["rows"].size());
+  CHECK(cell["convergence"]["rows_excluded"].size() >= below);
+  CHECK(cell["stability"]["plateau"]["kind"] != "structural");
+}
+
+TEST_CASE("no time to a tolerance comes from a row below the reference's error", "[unit]") {
+  CellResult result;
+  result.cell = test::cell("genz-gaussian:d=2", "sobol", 1 << 12);
+  result.reference = Reference{1, 1e-3, "test"};
+  for (const double rmse : {1e-1, 1e-2, 1e-5}) {
+    Row row;
+    row.n = 256;
+    row.kernel.median = row.wall.median = 1 / rmse;
+    row.errors.rmse = rmse;
+    row.below_reference = rmse < 3e-3;
+    result.rows.push_back(row);
+  }
+  const auto seconds = [&] {
+    return cell_to_json(test::catalog(), result,
+                        nullptr)["efficiency"]["time_to_tolerance"][3]["seconds"];
+  };
+  CHECK(seconds().is_null());
+  result.rows.back().below_reference = false;
+  CHECK(seconds().get<double>() == Approx(1e4));
+}
+
+TEST_CASE("the error of a reference is its standard error, else that of its interval, else unknown",
+          "[unit]") {
+  const Reference known = make_reference(2, 0.5, Interval{0, 4}, "x");
+  CHECK(known.error == 0.5);
+  CHECK(known.from == "x");
+  const Reference order = make_reference(2, std::nullopt, Interval{1.5, 3.5}, "x");
+  CHECK(*order.error == Approx(1 / 1.96));
+  CHECK(order.from == "x; its error is from its interval");
+  const Reference single = make_reference(2, std::nullopt, std::nullopt, "x");
+  CHECK_FALSE(single.error);
+  CHECK(single.from == "x; error of the reference unknown");
 }
 
 TEST_CASE("a constant in the entry is the exact value", "[device]") {
@@ -119,6 +220,17 @@ TEST_CASE("the reference is the cell with the best promise", "[unit]") {
                           test::cell("genz-gaussian:d=2", "sobol-owen", 1 << 10, 32),
                           test::cell("genz-gaussian:d=2", "sobol-owen", 1 << 12, 32)};
   cells[4].precision = Precision::fp32;
+  // Independent samples last among those with an interval, single sets after them.
   CHECK(by_promise(test::catalog(), cells, {0, 1, 2, 3, 4}) ==
-        std::vector<std::size_t>{3, 2, 1, 4, 0});
+        std::vector<std::size_t>{3, 2, 4, 1, 0});
+}
+
+TEST_CASE("of equal rates, Student's t over linear scrambles is trusted less, their median not",
+          "[unit]") {
+  const std::string scene = "genz-gaussian:d=2";
+  const std::vector<Cell> cells{test::cell(scene, "sobol-lms-shift", 1 << 14, 32),
+                                test::cell(scene, "sobol-owen", 1 << 12, 32),
+                                test::cell(scene, "sobol-shift", 1 << 16, 32),
+                                test::cell(scene, "sobol-lms-shift", 1 << 14, 32, "median")};
+  CHECK(by_promise(test::catalog(), cells, {0, 1, 2, 3}) == std::vector<std::size_t>{3, 1, 0, 2});
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <regex>
 
 #include "catalog/embedded.hpp"
 #include "catalog/read_entry.hpp"
@@ -79,6 +80,26 @@ void add_integrand(Catalog& catalog, const Json& classes, std::string_view path,
   catalog.integrands.push_back(std::move(integrand));
 }
 
+// A function that the entry promises and the code lacks is no matter for a compiler, which would
+// name the harness's own pieces. Its name before a parenthesis will do.
+void check_functions(const Integrand& f, const std::string& json_path) {
+  using Kind = ExactSource::Kind;
+  const auto require = [&](bool wanted, const char* name, const char* pointer, const char* says) {
+    if (!wanted || std::regex_search(f.code.text, std::regex(fmt::format("\\b{}\\s*\\(", name))))
+      return;
+    throw InputError(f.code.path, fmt::format("{} is missing", name),
+                     fmt::format("{}, at '{}' says {}", json_path, pointer, says));
+  };
+  if (!std::regex_search(f.code.text, std::regex("\\bintegrand\\s*\\(")))
+    throw InputError(f.code.path, "integrand is missing", "kernels/README.md has the contract");
+  require(f.mean.kind == Kind::formula, "exact_mean", "/exact/mean", "formula");
+  require(f.variance.kind == Kind::formula, "exact_variance", "/exact/variance", "formula");
+  require(f.mean_abs.kind == Kind::formula, "exact_mean_abs", "/exact/mean_abs", "formula");
+  require(f.variation.kind == Kind::formula, "exact_variation", "/exact/variation", "formula");
+  require(f.dimension_order, "dimension_order", "/dimension_order", "true");
+  require(!f.coefficients.empty(), "integrand_setup", "/coefficients", "that there are some");
+}
+
 template <typename Entries>
 auto& find_named(const Entries& entries, std::string_view kind, std::string_view name,
                  std::string_view where) {
@@ -114,12 +135,9 @@ Catalog load_catalog(const std::vector<std::string>& integrand_files) {
     const std::string code_path = std::filesystem::path(path).replace_extension(".cl").string();
     const std::string entry = read_text_file(path);
     add_integrand(catalog, classes, path, entry, {code_path, read_text_file(code_path)});
+    catalog.integrands.back().users_own = true;
+    check_functions(catalog.integrands.back(), path);
   }
-  for (Integrand& f : catalog.integrands)
-    f.users_own =
-        std::any_of(integrand_files.begin(), integrand_files.end(), [&](const std::string& path) {
-          return std::filesystem::path(path).replace_extension(".cl").string() == f.code.path;
-        });
   return catalog;
 }
 

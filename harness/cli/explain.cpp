@@ -30,9 +30,13 @@ void print_preparation(const Plan& plan) {
 
 void print_plan(const Plan& plan, std::size_t table_bytes, const DeviceFacts& device) {
   const std::size_t size = plan.fp64() ? 8 : 4;
-  fmt::print("scene       {}\nsampler     {} ({})\nestimator   {}, {} replicate{}\n",
+  const std::uint32_t each = plan.estimator->replicates_per_estimate;
+  fmt::print("scene       {}\nsampler     {} ({})\nestimator   {}, {} replicate{}{}\n",
              plan.cell.scene.text, plan.sampler->name, plan.sampler->title, plan.estimator->name,
-             plan.cell.replicates, plan.cell.replicates == 1 ? "" : "s");
+             plan.cell.replicates, plan.cell.replicates == 1 ? "" : "s",
+             each == 1 ? ""
+                       : fmt::format(": medians of {} randomizations, {} in all", each,
+                                     plan.launched_replicates()));
   fmt::print(
       "precision   {}, coordinates of {} bits in {}\nsum         {}, {} word{} per partial sum, "
       "moments: {}\n",
@@ -47,9 +51,10 @@ void print_plan(const Plan& plan, std::size_t table_bytes, const DeviceFacts& de
   print_preparation(plan);
   fmt::print(
       "draws       {} coordinates per sample\npoint table {} bytes, {:.1f} per dimension and "
-      "replicate\n",
+      "{}\n",
       plan.request.dim, table_bytes,
-      static_cast<double>(table_bytes) / plan.request.dim / plan.cell.replicates);
+      static_cast<double>(table_bytes) / plan.request.dim / plan.launched_replicates(),
+      each == 1 ? "replicate" : "randomization");
   fmt::print("coefficient table {} bytes\nbuild options {}\n\nleft out\n",
              plan.integrand->coefficients.size() * plan.cell.scene.dim * size,
              plan.program.options);

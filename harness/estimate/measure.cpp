@@ -62,26 +62,37 @@ bool declares(const std::vector<std::string>& values, std::string_view value) {
   return std::find(values.begin(), values.end(), value) != values.end();
 }
 
+constexpr const char* kItself = "measured against itself";
+
 // An error can not be seen below that of the reference.
 double reference_floor(const CellResult& result) {
-  return result.reference ? result.reference->standard_error.value_or(0) : 0;
+  return result.reference ? result.reference->error.value_or(0) : 0;
 }
 
 RateFit fit(const CellResult& result, const Plan& plan) {
   std::vector<ConvergenceRow> rows;
   const double truth = result.exact.mean ? *result.exact.mean : result.reference->value;
+  ExactValues scale = result.exact;
+  scale.mean = truth;  // rounding is relative to the estimate where that is all there is
   for (const Row& row : result.rows) {
+    if (row.error_reason == kItself) continue;
     ConvergenceRow r;
     r.samples = row.n;
     for (const double q : row.estimates) r.errors.push_back(q - truth);
-    r.floor = std::max(rounding_floor(plan, result.exact, row.n), reference_floor(result));
+    r.floor = std::max(rounding_floor(plan, scale, row.n), reference_floor(result));
     r.mean_abs = scale_of(result.exact);
     r.n_eff = effective_samples(result.exact, row.n);
     rows.push_back(std::move(r));
   }
   FitOptions options;
   options.infinite_variance = result.exact.infinite_variance;
-  return fit_rate(rows, options);
+  RateFit fit = fit_rate(rows, options);
+  // Its rows stay out of the fit, but what they are is not known.
+  if (result.reference && !result.reference->error && fit.plateau.kind == PlateauKind::structural) {
+    fit.plateau = {};
+    fit.plateau.reason = "flat, which may be the error of the reference: it is unknown";
+  }
+  return fit;
 }
 
 // Independent points are judged by their exact variance, which is sharper than any slope: every
@@ -243,15 +254,39 @@ void PreparedCell::take_errors(CellResult& result,
                                const std::optional<Reference>& reference) const {
   if (exact_.mean || exact_.mean_undefined) return;
   const Row& last = result.rows.back();
-  if (reference)
+  if (reference) {
     result.reference = reference;
-  else if (last.estimate.value)
-    result.reference = {*last.estimate.value, last.estimate.standard_error,
-                        fmt::format("this cell at N = {}", last.n)};
+  } else if (last.estimate.value) {
+    result.reference =
+        make_reference(*last.estimate.value, last.estimate.standard_error, last.estimate.interval,
+                       fmt::format("this cell at N = {}", last.n));
+    result.reference->itself = true;
+  }
   if (!result.reference) return;
   for (Row& row : result.rows) {
+    if (result.reference->itself && &row == &last) {
+      row.error_reason = kItself;  // the errors stay those without an exact value: none
+      continue;
+    }
     row.errors = summarise_errors(row.estimates, result.reference->value);
     if (exact_.infinite_variance) drop_rmse(row.errors);
+    row.below_reference =
+        row.errors.rmse && *row.errors.rmse < kFloorFactor * reference_floor(result);
+    if (row.below_reference) row.error_reason = "below 3 x the error of the reference";
+  }
+}
+
+// A single point set that is its own reference has no errors that a rate could be fitted to.
+void PreparedCell::take_rate(CellResult& result) const {
+  const bool itself = result.reference && result.reference->itself;
+  if (itself && plan_->cell.replicates == 1) {
+    result.rate.reason = kItself;
+    for (const Row& row : result.rows) result.rate.excluded.push_back({row.n, kItself});
+  } else if (exact_.mean || result.reference) {
+    result.rate = fit(result, *plan_);
+    if (itself) result.rate.excluded.push_back({result.rows.back().n, kItself});
+  } else {
+    result.rate.reason = "no exact value";
   }
 }
 
@@ -306,11 +341,7 @@ CellResult PreparedCell::run(std::size_t rows_of_run, const std::optional<Refere
   result.coefficient_bytes = integrator_->coefficient_bytes();
   take_errors(result, reference);
   result.floor = rounding_floor(*plan_, exact_, plan_->cell.n.back());
-  if (exact_.mean || result.reference) {
-    result.rate = fit(result, *plan_);
-  } else {
-    result.rate.reason = "no exact value";
-  }
+  take_rate(result);
   for (const std::uint64_t n : plan_->refused_n)
     result.rate.excluded.push_back({n, "not run: more points than the precision can tell apart"});
   const auto& expected = plan_->integrand->expected;

@@ -34,9 +34,11 @@ struct Row {
   ErrorStatistics errors;
   Estimate estimate;
   McTest mc_test;
-  std::uint64_t nonfinite = 0;  // samples, all replicates
-  bool grid_limited = false;    // more points than the coordinates can tell apart
-  TimeStatistics kernel, wall;  // of one launch of all replicates
+  std::uint64_t nonfinite = 0;   // samples, all replicates
+  bool grid_limited = false;     // more points than the coordinates can tell apart
+  bool below_reference = false;  // the RMSE is below 3 x the error of the reference
+  std::string error_reason;      // why there are no errors, or none to believe
+  TimeStatistics kernel, wall;   // of one launch of all replicates
 };
 
 enum class CellStatus { ok, skipped, unsupported, failed };
@@ -84,6 +86,7 @@ class PreparedCell {
   void take_errors(CellResult& result, const std::optional<Reference>& reference) const;
   void qualify(Row& row, const std::vector<double>& variances) const;
   void estimate_kurtosis_of_f();
+  void take_rate(CellResult& result) const;
   CellFacts facts_of(const CellResult& result) const;
 
   const Catalog& catalog_;

@@ -78,6 +78,8 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
   json["error_against"] = result.exact.mean  ? Json("exact value")
                           : result.reference ? Json("own best estimate")
                                              : Json(nullptr);
+  json["error_reason"] = row.error_reason;
+  json["below_reference"] = row.below_reference;
   json["rmse"] = number_or_null(e.rmse);
   json["rmse_interval"] = resolved && e.rmse_low && e.rmse_high
                               ? interval_json(Interval{*e.rmse_low, *e.rmse_high})
@@ -99,9 +101,10 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
   json["coordinates_per_s"] = row.kernel.median > 0
                                   ? Json(samples * result.cell.scene.dim / row.kernel.median)
                                   : Json(nullptr);
-  json["efficiency"] = resolved ? number_or_null(efficiency(*e.rmse, seconds)) : Json(nullptr);
+  const bool believed = resolved && !row.below_reference;
+  json["efficiency"] = believed ? number_or_null(efficiency(*e.rmse, seconds)) : Json(nullptr);
   json["variance_reduction"] =
-      resolved && result.exact.variance
+      believed && result.exact.variance
           ? number_or_null(variance_reduction(*result.exact.variance,
                                               row.n * estimator.replicates_per_estimate, *e.rmse))
           : Json(nullptr);
@@ -165,7 +168,7 @@ Json stability_json(const CellResult& result) {
 }
 
 // Kernel time of one replicate to each relative tolerance (of |I|, or absolute where I = 0), from
-// the resolved rows that measure the kernel and not its launch.
+// the resolved rows that measure the kernel and not its launch, and errors and not the reference's.
 Json efficiency_json(const CellResult& result) {
   Json json = {{"relative_to", nullptr}, {"time_to_tolerance", Json::array()}};
   if (!result.exact.mean && !result.reference) return json;
@@ -175,7 +178,7 @@ Json efficiency_json(const CellResult& result) {
   std::vector<TimePoint> points;
   double largest = 0;
   for (const Row& row : result.rows) {
-    if (!row.errors.rmse || row.unresolved || launch_bound(row)) continue;
+    if (!row.errors.rmse || row.unresolved || row.below_reference || launch_bound(row)) continue;
     points.push_back({row.kernel.median / result.cell.replicates, *row.errors.rmse});
     largest = std::max(largest, *row.errors.rmse);
   }
@@ -246,7 +249,7 @@ Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* 
   json["reference"] = nullptr;
   if (result.reference)
     json["reference"] = {{"value", number_or_null(result.reference->value)},
-                         {"standard_error", number_or_null(result.reference->standard_error)},
+                         {"standard_error", number_or_null(result.reference->error)},
                          {"from", result.reference->from}};
   json["rounding_floor"] = number_or_null(result.floor);
   json["rows"] = Json::array();

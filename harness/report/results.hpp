@@ -10,7 +10,7 @@
 
 namespace koksma {
 
-inline constexpr int kResultsSchemaVersion = 1;
+inline constexpr int kResultsSchemaVersion = 2;
 
 // version, revision, date (UTC), host, device and driver, build, seed, command line, the study
 // verbatim.

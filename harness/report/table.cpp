@@ -48,6 +48,10 @@ std::string marks(const Json& cell, const Json& row) {
     add(fmt::format("non-finite:{}", row["nonfinite"].get<std::uint64_t>()));
   if (row["grid_limited"] == true) add("grid-limited");
   if (row["error_against"] == "own best estimate") add("own-estimate");
+  if (row["below_reference"] == true)
+    add("below the reference's error");
+  else if (!row["error_reason"].get<std::string>().empty())
+    add(row["error_reason"].get<std::string>());
   const std::string verdict = cell["convergence"]["verdict"];
   if (verdict == "within-gate" || verdict == "outside-gate") add(verdict);
   if (verdict == "no-rate" && !cell["convergence"]["reason"].get<std::string>().empty())
@@ -68,8 +72,9 @@ std::vector<std::string> cell_columns(const Json& cell) {
       cell["scene"]["text"], cell["sampler"], cell["estimator"],
       cell["precision"].is_string() ? cell["precision"].get<std::string>() : "-"};
   if (cell["status"] != "ok" || cell["rows"].empty()) {
+    const std::string reason = cell["reason"];  // that of a compiler has many lines
     columns.push_back(fmt::format("{}: {}", cell["status"].get<std::string>(),
-                                  cell["reason"].get<std::string>()));
+                                  reason.substr(0, reason.find('\n'))));
     return columns;
   }
   const Json& row = cell["rows"].back();
@@ -100,7 +105,8 @@ constexpr const char* kLegend =
 constexpr const char* kOwnEstimateLegend =
     "own-estimate: the integral is not known; errors are against the run's own best estimate, "
     "named "
-    "in the results as\n\"reference\" with its standard error.\n";
+    "in the results as\n\"reference\" with its standard error; an RMSE below 3 of those is below "
+    "the reference's error.\n";
 
 }  // namespace
 
