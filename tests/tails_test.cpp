@@ -53,7 +53,7 @@ struct Mine {
     REQUIRE(code.find(from) != std::string::npos);
     code.replace(code.find(from), from.size(), to);
   }
-  Run run(const std::string& parameters, const std::string& sizes) {
+  Run run(const std::string& parameters, const std::string& sizes) const {
     folder.write("mine.cl", code);
     const Catalog catalog = load_catalog({folder.write("mine.json", entry.dump())});
     Cell cell = test::cell("linear-prod:d=1", "random", 256, 32);
