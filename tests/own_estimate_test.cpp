@@ -161,6 +161,19 @@ TEST_CASE("rows below the reference's error are marked, rated by nothing, and no
   CHECK(cell["stability"]["plateau"]["kind"] != "structural");
 }
 
+TEST_CASE("a curve that ends flat at a reference of unknown error is no plateau", "[device]") {
+  OwnIntegrand own(R"({"from": "none"})");
+  const Json results = own.run_study(own.folder.write("study.json", R"({"cells": [
+    {"scenes": ["bell:d=2"], "samplers": ["sobol"], "n": "2^8", "precision": "fp64"},
+    {"scenes": ["bell:d=2"], "samplers": ["halton"], "n": "2^8..2^18", "precision": "fp32"}]})"));
+  const Json& cell = cell_of(results, "halton");
+  CHECK(cell["reference"]["standard_error"].is_null());
+  CHECK(cell["reference"]["from"].get<std::string>().find("unknown") != std::string::npos);
+  CHECK(cell["stability"]["plateau"]["kind"] == "none");
+  CHECK(cell["stability"]["plateau"]["reason"].get<std::string>().find("it is unknown") !=
+        std::string::npos);
+}
+
 TEST_CASE("no time to a tolerance comes from a row below the reference's error", "[unit]") {
   CellResult result;
   result.cell = test::cell("genz-gaussian:d=2", "sobol", 1 << 12);
