@@ -11,7 +11,7 @@
 namespace koksma::test {
 namespace {
 
-constexpr std::uint32_t kPoints = 16;
+constexpr std::size_t kPoints = 16;
 
 // The points slot of a batch: coordinates that are given.
 constexpr const char* kGivenPoints =

@@ -114,7 +114,7 @@ TEST_CASE("alone, a cell is measured against its own last estimate, which has no
   check_measured_against_itself(repeated["rows"].back());
   CHECK(repeated["rows"].back()["estimate"].is_number());
   CHECK(repeated["rows"][0]["rmse"].get<double>() > 0);
-  CHECK(repeated["rows"][0]["error_reason"] == "");
+  CHECK(repeated["rows"][0]["error_reason"].get<std::string>().empty());
   CHECK(repeated["convergence"]["rate"].is_number());
 
   // A single set's errors are differences between its own prefixes.

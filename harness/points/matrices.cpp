@@ -128,15 +128,14 @@ GeneratingMatrices matrices_by_dimension(const PointRequest& request, std::uint3
 
 // The components of an interlaced coordinate are neighbours and stay together.
 GeneratingMatrices generating_matrices(const PointRequest& request, std::uint32_t columns) {
-  const GeneratingMatrices plain = matrices_by_dimension(request, columns);
-  if (request.dimension_order.empty()) return plain;
-  const auto components = static_cast<std::uint32_t>(plain.dim / request.dimension_order.size());
-  GeneratingMatrices result = plain;
-  for (std::uint32_t k = 0; k < plain.columns; ++k)
-    for (std::uint32_t d = 0; d < plain.dim; ++d)
-      result.words[std::size_t{k} * plain.dim + d] =
-          plain.words[std::size_t{k} * plain.dim +
-                      request.dimension_order[d / components] * components + d % components];
+  GeneratingMatrices result = matrices_by_dimension(request, columns);
+  if (request.dimension_order.empty()) return result;
+  const std::vector<std::uint64_t> plain = result.words;
+  const std::size_t dim = result.dim, components = dim / request.dimension_order.size();
+  for (std::size_t k = 0; k < result.columns; ++k)
+    for (std::size_t d = 0; d < dim; ++d)
+      result.words[k * dim + d] =
+          plain[k * dim + request.dimension_order[d / components] * components + d % components];
   return result;
 }
 
