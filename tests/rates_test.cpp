@@ -132,7 +132,8 @@ TEST_CASE(
     const CellResult result = run(scene, "lattice-shift-tent", "2^8..2^16", 32);
     INFO(scene << ": slope " << *result.rate.slope);
     CHECK(*result.rate.slope <= -1.8);
-    CHECK(result.verdict.verdict == "within-gate");
+    // At d = 2 the bound is two standard deviations away, so that other seeds are not gated there.
+    CHECK(result.verdict.verdict == (result.cell.scene.dim == 1 ? "within-gate" : "reported"));
   }
 }
 
