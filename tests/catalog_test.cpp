@@ -157,6 +157,8 @@ TEST_CASE(
   for (const Family& family : test::catalog().families)
     for (const auto* pieces : {&family.parts, &family.preparations})
       for (const SourceFile& piece : *pieces) owned.insert(piece.path);
+  for (const Integrand& f : test::catalog().integrands)
+    for (const SourceFile& part : f.parts) owned.insert(part.path);
   own(test::catalog().families);
   own(test::catalog().integrands);
   own(test::catalog().transforms);
@@ -303,6 +305,18 @@ TEST_CASE("a name that exists already is refused, and says where it is defined",
   own.save();
   CHECK_THROWS_WITH(load_catalog({own.json_path, own.json_path}),
                     Contains("'my-own' exists already"));
+}
+
+TEST_CASE("a part that is not there is told with the nearest name, and one that is there is known",
+          "[unit]") {
+  OwnPair own;
+  const auto& integrands = test::catalog().integrands;
+  const auto with_parts = std::find_if(integrands.begin(), integrands.end(),
+                                       [](const Integrand& f) { return !f.parts.empty(); });
+  REQUIRE(with_parts != integrands.end());
+  const std::string name = fs::path(with_parts->parts.front().path).stem().string();
+  own.entry["parts"] = {name + "x"};
+  CHECK_THAT(own.refusal(), Contains("at '/parts'") && Contains("'" + name + "'"));
 }
 
 TEST_CASE("defaults outside their ranges and parameters that clash are refused", "[unit]") {

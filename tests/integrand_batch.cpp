@@ -29,18 +29,20 @@ std::set<std::string> names(const std::string& code, const std::string& pattern)
 
 // The piece with its own names made those of item k, so that others may have the same.
 std::string renamed(const Integrand& f, std::size_t k) {
-  std::set<std::string> own = names(f.code.text, R"(\nstatic [^;{=]*?(\w+)\()");
-  own.merge(names(f.code.text, R"(\n__constant \w+ (\w+))"));
+  std::string source = source_text(f);
+  source.insert(0, 1, '\n');  // names begin lines
+  std::set<std::string> own = names(source, R"(\nstatic [^;{=]*?(\w+)\()");
+  own.merge(names(source, R"(\n__constant \w+ (\w+))"));
   own.insert({"integrand", "params", "load_params"});
   std::string before, after;
   for (const std::string& name : own) {
     before += fmt::format("#define {0} {0}_{1}\n", name, k);
     after += fmt::format("#undef {}\n", name);
   }
-  for (const std::string& name : names(f.code.text, R"(\n *#define (\w+))"))
+  for (const std::string& name : names(source, R"(\n *#define (\w+))"))
     after += fmt::format("#undef {}\n", name);
   return before + params_source(f, "scalar") +
-         fmt::format("#line 1 \"{}\"\n{}\n", f.code.path, f.code.text) + after;
+         fmt::format("#line 1 \"{}\"\n{}\n", f.code.path, source) + after;
 }
 
 ProgramSource batch_program(const std::vector<BatchItem>& items, bool fp64, std::uint32_t lanes) {

@@ -35,7 +35,7 @@ std::vector<double> values_at(const Integrand& f, const Scene& scene, const Poin
       "__kernel void values(__global const scalar *x, __global const scalar *v, coefficients c, "
       "__global scalar *out) {{\n  const uint i = get_global_id(0);\n  points p = {{x + i * {}}};\n"
       "  params q;\n{}  out[i] = integrand(&p, q, c);\n}}\n",
-      f.code.text, x.dim, loads);
+      source_text(f), x.dim, loads);
   Device& device = test::device();
   const ExactValues exact = compute_exact(device, f, scene);
   cl::Kernel kernel(device.build({f.name, text, "-cl-std=CL1.2 -w"}).program, "values");

@@ -61,6 +61,25 @@ void read_kernels(Catalog& catalog, const EmbeddedFile& file) {
   }
 }
 
+// What several integrands share, integrands/parts/<name>.cl.
+std::vector<SourceFile> integrand_parts(const Json& entry, std::string_view path) {
+  constexpr std::string_view kFolder = "integrands/parts/", kEnding = ".cl";
+  std::vector<std::string> known;
+  for (const EmbeddedFile& file : embedded_files())
+    if (file.path.starts_with(kFolder))
+      known.emplace_back(
+          file.path.substr(kFolder.size(), file.path.size() - kFolder.size() - kEnding.size()));
+  std::vector<SourceFile> parts;
+  const Json names = entry.value("parts", Json::array());
+  for (const std::string name : names) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw unknown_name(fmt::format("{}, at '/parts'", path), "part", name, known);
+    const std::string code = fmt::format("{}{}{}", kFolder, name, kEnding);
+    parts.push_back({code, std::string(embedded_text(code))});
+  }
+  return parts;
+}
+
 void add_integrand(Catalog& catalog, const Json& classes, std::string_view path,
                    std::string_view text, SourceFile code) {
   const Json entry = checked_entry(path, text, "harness/catalog/integrand.schema.json");
@@ -71,6 +90,7 @@ void add_integrand(Catalog& catalog, const Json& classes, std::string_view path,
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw unknown_name(fmt::format("{}, at '/transforms'", path), "transform", name, known);
   }
+  integrand.parts = integrand_parts(entry, path);
   for (const Integrand& other : catalog.integrands) {
     if (other.name == integrand.name)
       throw InputError(fmt::format("{}, at '/name'", path),
@@ -84,13 +104,13 @@ void add_integrand(Catalog& catalog, const Json& classes, std::string_view path,
 // name the harness's own pieces. Its name before a parenthesis will do.
 void check_functions(const Integrand& f, const std::string& json_path) {
   using Kind = ExactSource::Kind;
+  const std::string source = source_text(f);
   const auto require = [&](bool wanted, const char* name, const char* pointer, const char* says) {
-    if (!wanted || std::regex_search(f.code.text, std::regex(fmt::format("\\b{}\\s*\\(", name))))
-      return;
+    if (!wanted || std::regex_search(source, std::regex(fmt::format("\\b{}\\s*\\(", name)))) return;
     throw InputError(f.code.path, fmt::format("{} is missing", name),
                      fmt::format("{}, at '{}' says {}", json_path, pointer, says));
   };
-  if (!std::regex_search(f.code.text, std::regex("\\bintegrand\\s*\\(")))
+  if (!std::regex_search(source, std::regex("\\bintegrand\\s*\\(")))
     throw InputError(f.code.path, "integrand is missing", "kernels/README.md has the contract");
   require(f.mean.kind == Kind::formula, "exact_mean", "/exact/mean", "formula");
   require(f.variance.kind == Kind::formula, "exact_variance", "/exact/variance", "formula");
@@ -161,6 +181,12 @@ const Family& Catalog::family(std::string_view name) const {
 }
 const Transform& Catalog::transform(std::string_view name) const {
   return find_named(transforms, "transform", name, "catalog");
+}
+
+std::string source_text(const Integrand& integrand) {
+  std::string text;
+  for (const SourceFile& part : integrand.parts) text.append(part.text).append("\n");
+  return text.append(integrand.code.text);
 }
 
 bool fits(const Estimator& estimator, const Sampler& sampler) {

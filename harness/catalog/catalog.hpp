@@ -113,9 +113,13 @@ struct Integrand {
   FourthMoment fourth_moment = FourthMoment::estimated;
   std::map<std::string, ExpectedRate> expected;  // by sampler rate class
   Json checks, sample_checks;
-  bool users_own = false;  // given on the command line: no test of the project has seen it
+  bool users_own = false;         // given on the command line: no test of the project has seen it
+  std::vector<SourceFile> parts;  // come before the code
   SourceFile code;
 };
+
+// The text of its pieces: the parts, then its own code.
+std::string source_text(const Integrand& integrand);
 
 struct Transform {
   std::string name, title, citation;

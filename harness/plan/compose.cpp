@@ -77,6 +77,7 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
     for (const std::string& name : plan.integrand->transforms)
       append_piece(text, catalog.transform(name).code);
     text += params_source(*plan.integrand, "scalar");
+    for (const SourceFile& part : plan.integrand->parts) append_piece(text, part);
     append_piece(text, plan.integrand->code);
   }
   append_embedded(text, integrates ? "kernels/integrate.cl" : "kernels/inspect.cl");
@@ -118,6 +119,7 @@ ProgramSource exact_program(const Integrand& integrand) {
   if (!integrand.coefficients.empty())
     text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", integrand.coefficients.size());
   text += params_source(integrand, "double");
+  for (const SourceFile& part : integrand.parts) append_piece(text, part);
   append_piece(text, integrand.code);
   append_embedded(text, "kernels/exact.cl");
   return {fmt::format("the exact values of {}", integrand.name), std::move(text), kOptions};
