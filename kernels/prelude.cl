@@ -109,9 +109,16 @@ static inline mask nonfinite_lanes(real y) {
 // Mantissa state: s holds the bits of a float in [1,2), so one subtraction gives the coordinate, exactly.
 // centred: (k + 1/2) 2^-m in (0,1); exact: k 2^-m in [0,1); m = KOKSMA_MANTISSA_BITS, k the mantissa of s.
 // Checked over all mantissas: neither form rounds, and neither ever returns 1.
+// KOKSMA_COARSE: in fp64 the coordinate that fp32 has, of the top 23 bits, so that the precisions can be compared
+// at identical points.
 static inline real unit_from_mantissa(bits s) {
+#if KOKSMA_COARSE && KOKSMA_FP64
+  s &= (word)0xFFFFFFFFE0000000UL;
+#endif
 #if KOKSMA_CENTRED
-#if KOKSMA_FP64
+#if KOKSMA_COARSE && KOKSMA_FP64
+  return KOKSMA_AS_REAL(s) - R(0x1.fffffep-1);
+#elif KOKSMA_FP64
   return KOKSMA_AS_REAL(s) - R(0x1.fffffffffffffp-1);
 #else
   return KOKSMA_AS_REAL(s) - R(0x1.fffffep-1);

@@ -135,7 +135,7 @@ TEST_CASE("squares of pair means and pair differences are those of the samples, 
           direct.add(term * term);
         }
         // A pair needs two lanes: one is made 4.
-        CHECK(make_plan(test::catalog(), c, test::device().facts(), "", shape(1))
+        CHECK(make_plan(test::catalog(), c, test::device().facts(), "", {shape(1)})
                   .shape.lanes_per_item == 4);
         for (const std::uint32_t lanes : {4U, 8U, 16U}) {
           const auto partials = partial_sums(c, shape(lanes));

@@ -67,7 +67,7 @@ TEST_CASE("an estimate is the correctly rounded sum of its partial sums, for eve
     for (const std::optional<std::uint64_t> items : {std::optional<std::uint64_t>(), {7}}) {
       PreparedCell prepared(
           test::catalog(), test::device(), test::device(),
-          make_plan(test::catalog(), c, test::device().facts(), "", LaunchShape{16, 1, {}, items}));
+          make_plan(test::catalog(), c, test::device().facts(), "", {LaunchShape{16, 1, {}, items}}));
       INFO(sum.name);
       CHECK(prepared.run_row(1 << 14).estimates == expected);
     }
@@ -117,7 +117,7 @@ TEST_CASE("non-finite samples are counted wherever they are: first or last, any 
         c.precision = precision;
         PreparedCell prepared(
             catalog, test::device(), test::device(),
-            make_plan(catalog, c, test::device().facts(), "", LaunchShape{lanes, 1, {}, 7}));
+            make_plan(catalog, c, test::device().facts(), "", {LaunchShape{lanes, 1, {}, 7}}));
         std::uint64_t expected = 0;
         for (std::uint32_t r = 0; r < 5; ++r)
           for (const double x : test::points({.sampler = "random",
@@ -156,7 +156,7 @@ TEST_CASE("the time of a run is that of all its launches", "[device]") {
   const Cell c = cell("genz-gaussian:d=20", "random", 1 << 16, 1);
   const auto fastest = [&](std::optional<std::uint64_t> items) {
     const Plan plan =
-        make_plan(test::catalog(), c, test::device().facts(), "", LaunchShape{16, 1, {}, items});
+        make_plan(test::catalog(), c, test::device().facts(), "", {LaunchShape{16, 1, {}, items}});
     const ExactValues exact = compute_exact(test::device(), *plan.integrand, c.scene);
     Integrator integrator(test::device(), plan, exact.coefficients);
     double least = INFINITY;

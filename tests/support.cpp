@@ -103,7 +103,7 @@ Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n,
 }
 
 std::vector<double> partial_sums(const Cell& cell, const LaunchShape& shape) {
-  const Plan plan = make_plan(catalog(), cell, device().facts(), "", shape);
+  const Plan plan = make_plan(catalog(), cell, device().facts(), "", {shape});
   const ExactValues exact = compute_exact(device(), *plan.integrand, cell.scene);
   Integrator integrator(device(), plan, exact.coefficients);
   // A launch split hands out pieces; [word][replicate] puts them back in the device's order.

@@ -10,6 +10,7 @@ namespace {
 // CL1.2 is what every implementation has; -w keeps vector code's unused-function warnings off the
 // terminal.
 constexpr const char* kOptions = "-cl-std=CL1.2 -w";
+constexpr const char* kRelaxedOptions = "-cl-std=CL1.2 -w -cl-fast-relaxed-math";
 
 void append_piece(std::string& text, const SourceFile& piece) {
   text += fmt::format("#line 1 \"{}\"\n{}\n", piece.path, piece.text);
@@ -29,6 +30,7 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   define("KOKSMA_DIM", plan.request.dim);
   define("KOKSMA_UNROLLED", plan.request.dim <= kMostUnrolledDim ? 1 : 0);
   // A rotated set's own points are exact; the rotation centres them.
+  if (plan.coarse_coordinates) define("KOKSMA_COARSE", 1);
   define("KOKSMA_CENTRED", plan.sampler->centred && !plan.sampler->rotated ? 1 : 0);
   if (plan.sampler->rotated) define("KOKSMA_ROTATED", 1);
   define("KOKSMA_LOCAL_SIZE", plan.shape.local_size);
@@ -83,7 +85,7 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
   append_embedded(text, integrates ? "kernels/integrate.cl" : "kernels/inspect.cl");
   const std::string scene = plan.integrand == nullptr ? "points" : plan.integrand->name;
   return {fmt::format("the kernel of {} with {}", scene, plan.sampler->name), std::move(text),
-          kOptions};
+          plan.relaxed_math ? kRelaxedOptions : kOptions};
 }
 
 ProgramSource compose_preparation(const Family& family, const std::string& piece,

@@ -72,7 +72,7 @@ void set_precision(Plan& plan, Precision precision, const DeviceFacts& device) {
                                        offered.front()));
   plan.max_allocation = device.max_allocation;
   plan.precision = precision;
-  plan.coordinate_bits = plan.fp64() ? 52 : 23;
+  plan.coordinate_bits = plan.fp64() && !plan.coarse_coordinates ? 52 : 23;
 }
 
 // Sizes that deterministic points cannot resolve (6-definitions 4): randomized ones are flagged
@@ -152,9 +152,12 @@ std::uint32_t log2_block_length(std::uint64_t n) {
 }
 
 Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& device,
-               const std::string& directions_file, const std::optional<LaunchShape>& shape) {
+               const std::string& directions_file, const PlanOptions& options) {
   Plan plan;
   plan.cell = cell;
+  plan.relaxed_math = options.relaxed_math;
+  plan.counters = options.counters;
+  plan.coarse_coordinates = options.coarse_coordinates;
   plan.integrand = &catalog.integrand(cell.scene.integrand, "scene");
   plan.sampler = std::make_shared<const Sampler>(catalog.sampler(cell.sampler, "sampler"));
   plan.estimator = &catalog.estimator(cell.estimator, "estimator");
@@ -162,9 +165,9 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
                 device);
   plan.sum = &choose_sum(catalog, cell, device);
   const std::uint32_t least = least_lanes(*plan.estimator);
-  plan.shape =
-      shape ? *shape
-            : shape_for(device, *plan.sampler, plan.integrand, cell.scene.dim, plan.fp64(), least);
+  plan.shape = options.shape ? *options.shape
+                             : shape_for(device, *plan.sampler, plan.integrand, cell.scene.dim,
+                                         plan.fp64(), least);
   plan.shape.lanes_per_item = std::max(plan.shape.lanes_per_item, least);
   plan.cell.n.clear();
   for (const std::uint64_t n : cell.n)

@@ -33,6 +33,14 @@ struct LaunchShape {
   std::optional<std::uint64_t> items_per_launch;  // blocks x replicates bound
 };
 
+// What `koksma stability` asks of a plan and no other verb does.
+struct PlanOptions {
+  std::optional<LaunchShape> shape;  // empty: the device's
+  bool relaxed_math = false;         // -cl-fast-relaxed-math: to see what it breaks, never to report
+  bool counters = false;             // exceptional samples, hits and sums of |f| and f^2 are counted
+  bool coarse_coordinates = false;   // fp64 evaluates at the 23-bit coordinates of fp32
+};
+
 // A program in source form.
 struct ProgramSource {
   std::string name;  // for messages: "genz-gaussian with sobol-owen"
@@ -58,8 +66,9 @@ struct Plan {
   const Estimator* estimator = nullptr;
   const SumAlgorithm* sum = nullptr;
   Precision precision = Precision::fp64;
-  std::uint32_t coordinate_bits = 52;
+  std::uint32_t coordinate_bits = 52;  // 23 also where coarse_coordinates
   LaunchShape shape;
+  bool relaxed_math = false, counters = false, coarse_coordinates = false;  // as in PlanOptions
   ProgramSource program;
   PointRequest request;
   std::optional<PlannedPreparation> preparation;  // to run before the point table is built
@@ -81,8 +90,7 @@ struct Plan {
 // UnsupportedError when the device lacks what the cell asks for (fp64), or the sampler the
 // resolution.
 Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& device,
-               const std::string& directions_file = "",
-               const std::optional<LaunchShape>& shape = std::nullopt);
+               const std::string& directions_file = "", const PlanOptions& options = {});
 
 // The plan's program with non-finite samples counted: built only when a partial sum came out
 // non-finite.
