@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "estimate/summation.hpp"
+
 namespace koksma {
 namespace {
 
@@ -128,12 +130,11 @@ std::string_view status_name(CellStatus status) {
 double rounding_floor(const Plan& plan, const ExactValues& exact, std::uint64_t n) {
   const double scale = scale_of(exact).value_or(exact.mean ? std::fabs(*exact.mean) : 0);
   const double evaluation = plan.fp64() ? 0x1p-53 : 0x1p-24;
-  const double accumulator = plan.stores_doubles() ? 0x1p-53 : 0x1p-24;
   const double per_lane =
       std::min(static_cast<double>(n), std::ldexp(1.0, static_cast<int>(log2_block_length(n)))) /
       16;
-  const double additions = plan.sum->words > 1 ? 1 : std::max(per_lane, 1.0);
-  return scale * (4 * evaluation + std::sqrt(additions) * accumulator);
+  return scale * 4 * evaluation +
+         summation_estimate(*plan.sum, plan.precision, per_lane).of(scale);
 }
 
 // One accumulator per replicate and moment.
@@ -184,7 +185,8 @@ double PreparedCell::once(std::uint64_t n, Sums& sums) {
   sums.squares.assign(plan_->estimator->moments == 2 ? replicates : 0, ExactSum{});
   return integrator_->run(
       n, y0_, [&](std::uint32_t word, std::uint32_t r, std::span<const double> partials) {
-        (word < plan_->sum->words ? sums.values : sums.squares)[r].add(partials);
+        (word < plan_->sum_words() ? sums.values : sums.squares)[r].add(
+            partials, plan_->word_exponent(word));
       });
 }
 
