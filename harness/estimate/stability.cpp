@@ -59,11 +59,21 @@ BiasTest test_bias(const CellFacts& facts, std::size_t rows_of_run) {
   return test;
 }
 
+std::string nonfinite_samples(const CellFacts& facts) {
+  return fmt::format("{} samples of all rows are not finite", facts.nonfinite);
+}
+
+// Of finite samples, too, as where a sum overflows.
+std::string nonfinite_sums(const CellFacts& facts) {
+  return fmt::format("the sums of {} replicates of all rows are not finite",
+                     facts.nonfinite_replicates);
+}
+
 // Only a scheme that grows where the solution does not leaves its bound.
 std::string why_unstable(const CellFacts& facts) {
   if (!facts.ode) return "";
-  if (facts.nonfinite > 0)
-    return fmt::format("{} samples of all rows are not finite", facts.nonfinite);
+  if (facts.nonfinite > 0) return nonfinite_samples(facts);
+  if (facts.nonfinite_replicates > 0) return nonfinite_sums(facts);
   if (facts.blow_ups.value_or(0) > 0)
     return fmt::format("{} samples are above {} times the bound of the true solution",
                        *facts.blow_ups, kBlowUp);
@@ -76,8 +86,8 @@ std::string why_unstable(const CellFacts& facts) {
 }
 
 std::string why_faulty(const CellFacts& facts) {
-  if (facts.nonfinite > 0)
-    return fmt::format("{} samples of all rows are not finite", facts.nonfinite);
+  if (facts.nonfinite > 0) return nonfinite_samples(facts);
+  if (facts.nonfinite_replicates > 0) return nonfinite_sums(facts);
   if (facts.out_of_range.value_or(0) > 0)
     return fmt::format("{} coordinates are outside the range of their set", *facts.out_of_range);
   if (facts.index_fault) return "a sample index was not used exactly once";
@@ -92,7 +102,9 @@ std::string why_cell_unresolved(const CellFacts& facts) {
   resolution.hit_nothing =
       hit_nothing(facts.mean, facts.mean_abs, std::span(&estimate, 1), facts.hits);
   const std::string reason = why_unresolved(resolution);
-  return reason.empty() ? facts.unresolved_row : reason;
+  if (reason.empty()) return facts.unresolved_row;
+  if (resolution.hit_nothing) return reason;
+  return fmt::format("n_eff = {:.2g} of one replicate is below 30", *facts.n_eff);
 }
 
 void decide_on_errors(const CellFacts& facts, const BiasTest& bias, CellVerdict& result) {
@@ -164,15 +176,13 @@ std::string why_unresolved(const ResolutionFacts& facts) {
   if (facts.hit_nothing) return "every sample of f is 0";
   if (facts.infinite_variance) return "";
   // Written so that a NaN is unresolved.
-  if (facts.n_eff && !(*facts.n_eff >= kFewestEffective))
-    return fmt::format("n_eff = {:.2g} of one replicate is below 30", *facts.n_eff);
+  if (facts.n_eff && !(*facts.n_eff >= kFewestEffective)) return "n_eff below 30";
   if (facts.empirical_n_eff && !(*facts.empirical_n_eff >= kFewestEffective))
-    return fmt::format("n_eff = {:.2g} of the samples of one replicate is below 30",
-                       *facts.empirical_n_eff);
-  if (facts.error && facts.mean_abs && !(*facts.error <= *facts.mean_abs / 2) &&
-      !(*facts.error < kFloorFactor * facts.floor))
-    return "RMSE > E|f|/2";
-  return "";
+    return "n_eff of the samples below 30";
+  // Where n_eff is known to be enough, the points are what is wrong.
+  if (facts.n_eff || !facts.error || !facts.mean_abs) return "";
+  const bool sampling = !(*facts.error < kFloorFactor * facts.floor);
+  return sampling && !(*facts.error <= *facts.mean_abs / 2) ? "RMSE > E|f|/2" : "";
 }
 
 CellVerdict decide_verdict(const CellFacts& facts, std::size_t rows_of_run) {

@@ -25,7 +25,7 @@ namespace koksma {
 // DOMAIN_FAULT         a sample of any row is not finite, a coordinate lies outside the range of its
 //                      set, or a sample index was not used exactly once
 // UNRESOLVED           n_eff < 30 in one replicate, by the exact moments or those of the samples; no
-//                      sample other than 0; or RMSE > E|f|/2
+//                      sample other than 0; or, of unknown n_eff, RMSE > E|f|/2
 // PLATEAU_NUMERIC      the curve ends flat at its estimated floor
 // PLATEAU_STRUCTURAL   the curve ends flat above it
 // BIASED               the mean error over the replicates is not chance and not the floor
@@ -45,7 +45,8 @@ struct CellFacts {
   bool overflows = false;  // the exact value, a moment of f or of f_h is above the range of double
   std::optional<double> mean, mean_abs;  // I and E|f|
   // Of all rows and replicates.
-  std::uint64_t nonfinite = 0;  // samples
+  std::uint64_t nonfinite = 0;             // samples
+  std::uint64_t nonfinite_replicates = 0;  // Q_r, also of finite samples
   bool ode = false;             // f solves a differential equation
   std::optional<double> bound;  // of |f|, where it does
   double largest = 0;           // |Q_r|: a sample was at least as large
