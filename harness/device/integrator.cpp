@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <numeric>
 
@@ -168,11 +169,13 @@ std::vector<double> Integrator::first_values(std::uint64_t count) {
       if (size <= count) n = std::max(n, size);
   const std::uint64_t blocks = std::min(count, rounded_up(n, kLanes)) / kLanes;
   std::vector<double> values(blocks * kLanes, 0.0);
-  std::vector<std::size_t> filled(plan_.sum->words, 0);
+  std::vector<std::size_t> filled(plan_.sum_words(), 0);
   run_blocks(n, 4, 0, blocks, 1, 0.0,
              [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
-               if (word >= plan_.sum->words) return;  // squares
-               for (const double partial : partials) values[filled[word]++] += partial;
+               if (word >= plan_.sum_words()) return;  // squares
+               const int exponent = plan_.word_exponent(word);
+               for (const double partial : partials)
+                 values[filled[word]++] += std::ldexp(partial, exponent);
              });
   values.resize(std::min<std::uint64_t>(values.size(), n));
   return values;

@@ -11,7 +11,7 @@
 namespace koksma {
 
 // Partial sums of one word of one replicate, in no promised grouping: their exact sum is what
-// counts.
+// counts, times 2^Plan::word_exponent(word).
 using PartialSums = std::function<void(std::uint32_t word, std::uint32_t replicate,
                                        std::span<const double> partials)>;
 

@@ -43,7 +43,7 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
       define("KOKSMA_SQUARES_OF", plan.estimator->second_moment == "values"       ? 0
                                   : plan.estimator->second_moment == "pair-means" ? 1
                                                                                   : 2);
-    define("KOKSMA_SUM_WORDS", plan.sum->words);
+    define("KOKSMA_SUM_WORDS", plan.sum_words());
     define("KOKSMA_COUNT_NONFINITE", kind == ProgramKind::count_nonfinite ? 1 : 0);
   } else {
     define("KOKSMA_WITH_INTEGRAND", kind == ProgramKind::inspect_scene ? 1 : 0);

@@ -83,8 +83,13 @@ struct Plan {
   std::uint32_t launched_replicates() const {
     return cell.replicates * estimator->replicates_per_estimate;
   }
-  // Words per partial sum, all moments.
-  std::uint32_t words() const { return sum->words * estimator->moments; }
+  // Words per partial sum, of one moment and of all.
+  std::uint32_t sum_words() const { return sum->words(fp64()); }
+  std::uint32_t words() const { return sum_words() * estimator->moments; }
+  // Stored word `word` of all moments counts 2^word_exponent times its value.
+  int word_exponent(std::uint32_t word) const {
+    return sum->word_exponent(fp64(), word % sum_words());
+  }
 };
 
 // UnsupportedError when the device lacks what the cell asks for (fp64), or the sampler the
