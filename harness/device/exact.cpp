@@ -111,6 +111,10 @@ const Json* matching_check(const Integrand& integrand, const Scene& scene) {
   return nullptr;
 }
 
+double blow_up_limit(const ExactValues& exact) {
+  return exact.mean_abs && *exact.mean_abs > 0 ? 1e30 * *exact.mean_abs : INFINITY;
+}
+
 ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene) {
   ExactValues result;
   std::vector<double> out(4);

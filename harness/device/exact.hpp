@@ -23,6 +23,10 @@ struct ExactValues {
   std::vector<std::uint32_t> dimension_order;
 };
 
+// |f| above which a sample means that f was not computed: 1e30 E|f| (5-numerics 0), infinity where
+// E|f| is not known.
+double blow_up_limit(const ExactValues& exact);
+
 // Runs the integrand's exact program. Quantities that the entry says do not exist stay empty;
 // infinite ones too. "table" entries are looked up among the entry's checks (same d and
 // parameters).

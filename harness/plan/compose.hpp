@@ -5,7 +5,7 @@
 
 namespace koksma {
 
-enum class ProgramKind { integrate, count_nonfinite, inspect, inspect_scene };
+enum class ProgramKind { integrate, inspect, inspect_scene };
 
 // struct params of this number type and its loader, from the entry's parameters.
 std::string params_source(const Integrand& f, const char* type);
