@@ -27,13 +27,6 @@ bool declares(const std::vector<std::string>& values, std::string_view value) {
 
 bool solves_ode(const CellContext& context) { return context.plan.integrand->ode_size > 0; }
 
-// E|f|, or where it is unknown its bound sqrt(E f^2).
-std::optional<double> scale_of(const SampledMoments& f) {
-  if (f.mean_abs) return f.mean_abs;
-  if (f.mean && f.variance) return std::hypot(*f.mean, std::sqrt(*f.variance));
-  return std::nullopt;
-}
-
 // E of floors. The means over many accumulators average their roundings out, unless all add the same
 // numbers; the result is rounded to double once.
 void add_summation(const CellContext& context, std::uint64_t n, double scale, FloorFacts& facts) {
@@ -62,14 +55,26 @@ std::optional<double> sampling_error(const CellContext& context, const Row& row)
   return report_ode(row.estimates, context.exact.mean, context.exact.discrete_mean).sampling_rmse;
 }
 
+// Of the samples of one replicate that were seen, where they were counted.
+std::optional<double> empirical_n_eff(const CellContext& context, const Row& row) {
+  const auto n_eff = row.counters ? row.counters->n_eff() : std::nullopt;
+  if (!n_eff) return std::nullopt;
+  return *n_eff / context.plan.launched_replicates();
+}
+
+std::optional<std::uint64_t> hits_of(const Row& row) {
+  return row.counters ? std::optional(row.counters->hits) : std::nullopt;
+}
+
 std::string why_row_unresolved(const CellContext& context, const Row& row) {
   const SampledMoments f = sampled_moments(context);
   ResolutionFacts facts;
   facts.infinite_variance = context.exact.infinite_variance;
   facts.n_eff = effective_samples(context, row.n);
-  facts.hit_nothing = hit_nothing(f.mean, f.mean_abs, row.estimates, std::nullopt);
+  facts.empirical_n_eff = empirical_n_eff(context, row);
+  facts.hit_nothing = hit_nothing(f.mean, f.mean_abs, row.estimates, hits_of(row));
   facts.error = sampling_error(context, row);
-  facts.mean_abs = scale_of(f);
+  facts.mean_abs = sampled_scale(context);
   facts.floor = formula_floors(context, row.n).predicted_total();
   return why_unresolved(facts);
 }
@@ -87,9 +92,10 @@ void qualify(const CellContext& context, std::span<const double> variances, Row&
     const SampledMoments f = sampled_moments(context);
     ResolutionFacts pool;
     pool.n_eff = effective_samples(context, samples);
-    pool.hit_nothing = hit_nothing(f.mean, f.mean_abs, row.estimates, std::nullopt);
+    if (row.counters) pool.empirical_n_eff = row.counters->n_eff();
+    pool.hit_nothing = hit_nothing(f.mean, f.mean_abs, row.estimates, hits_of(row));
     pool.error = row.estimate.standard_error;
-    pool.mean_abs = scale_of(f);
+    pool.mean_abs = sampled_scale(context);
     facts.unresolved = why_unresolved(pool);
   }
   if (context.kurtosis.excess)
@@ -188,7 +194,7 @@ RateFit fit(const CellContext& context, const CellResult& result, const FloorsOf
     r.samples = row.n;
     for (const double q : row.estimates) r.errors.push_back(q - truth);
     r.floor = floors(row.n).predicted_total();
-    r.mean_abs = scale_of(sampled_moments(context));
+    r.mean_abs = sampled_scale(context);
     r.n_eff = effective_samples(context, row.n);
     r.unresolved = row.unresolved;
     rows.push_back(std::move(r));
@@ -265,7 +271,16 @@ CellFacts facts_of(const CellContext& context, const CellResult& result) {
     facts.nonfinite += row.nonfinite;
     facts.nonfinite_replicates += row.errors.nonfinite;
     for (const double q : row.estimates) facts.largest = std::max(facts.largest, std::fabs(q));
+    if (!row.counters) continue;
+    const Counters& k = *row.counters;
+    facts.blow_ups = facts.blow_ups.value_or(0) + k.blow_ups;
+    facts.out_of_range = facts.out_of_range.value_or(0) + k.coord_ge1 +
+                         (context.plan.sampler->centred ? k.coord_le0 : 0);
   }
+  facts.hits = hits_of(last);
+  if (result.detail.index)
+    facts.index_fault = !result.detail.index->sum_ok || !result.detail.index->sum_of_squares_ok ||
+                        !result.detail.index->xor_of_hashes_ok;
   facts.n_eff = effective_samples(context, last.n);
   facts.errors = last.errors;
   if (context.kurtosis.excess) facts.excess_of_mean = *context.kurtosis.excess / samples;
@@ -281,10 +296,11 @@ CellFacts facts_of(const CellContext& context, const CellResult& result) {
 }
 
 // What a differential equation adds to the report on the largest N.
-void take_integrator(const CellContext& context, CellResult& result) {
+void take_integrator(const CellContext& context, const CellFacts& facts, CellResult& result) {
   if (!solves_ode(context)) return;
   const ExactValues& exact = context.exact;
   result.ode = report_ode(result.rows.back().estimates, exact.mean, exact.discrete_mean);
+  result.ode->blow_ups = facts.blow_ups;
   result.ode->stiffness = exact.stiffness;
   if (context.solver != nullptr && exact.stiffness)
     result.ode->max_abs_r =
@@ -314,6 +330,13 @@ SampledMoments sampled_moments(const CellContext& context) {
     return {exact.discrete_mean, exact.discrete_variance, exact.discrete_mean_abs,
             exact.discrete_overflows, true};
   return {exact.mean, exact.variance, exact.mean_abs, exact.variance_overflows, false};
+}
+
+std::optional<double> sampled_scale(const CellContext& context) {
+  const SampledMoments f = sampled_moments(context);
+  if (f.mean_abs) return f.mean_abs;
+  if (f.mean && f.variance) return std::hypot(*f.mean, std::sqrt(*f.variance));
+  return std::nullopt;
 }
 
 std::optional<double> effective_samples(const CellContext& context, std::uint64_t n) {
@@ -355,7 +378,7 @@ Floors formula_floors(const CellContext& context, std::uint64_t n, const Measure
   facts.ode = solves_ode(context);
   facts.discrete_mean = exact.discrete_mean;
   facts.mean_error = mean_error;
-  const double scale = scale_of(f).value_or(std::fabs(facts.mean.value_or(0)));
+  const double scale = sampled_scale(context).value_or(std::fabs(facts.mean.value_or(0)));
   add_summation(context, n, scale, facts);
   if (reference) facts.reference = reference->error;
   return predict_floors(facts, measured);
@@ -384,8 +407,9 @@ void assess_cell(const CellContext& context, const std::optional<Reference>& ref
   result.rate = take_rate(context, result, floors);
   result.verdict = judge_rate(context, result.rate);
   if (declares(context.plan.sampler->validity, "iid")) judge_variance(result, rows_of_run);
-  take_integrator(context, result);
-  result.stability = decide_verdict(facts_of(context, result), rows_of_run);
+  const CellFacts facts = facts_of(context, result);
+  take_integrator(context, facts, result);
+  result.stability = decide_verdict(facts, rows_of_run);
 }
 
 }  // namespace koksma

@@ -29,6 +29,9 @@ struct SampledMoments {
 };
 SampledMoments sampled_moments(const CellContext& context);
 
+// E|f| of what is sampled, or where it is unknown its bound sqrt(E f²).
+std::optional<double> sampled_scale(const CellContext& context);
+
 // N (E|f|)²/E f² of n samples; 0 where a moment is above all numbers, none where one is not known.
 std::optional<double> effective_samples(const CellContext& context, std::uint64_t n);
 

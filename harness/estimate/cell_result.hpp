@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "device/exact.hpp"
+#include "device/integrator.hpp"
 #include "estimate/convergence.hpp"
 #include "estimate/estimators.hpp"
 #include "estimate/floors.hpp"
@@ -34,6 +35,9 @@ struct Row {
   Estimate estimate;
   McTest mc_test;
   std::uint64_t nonfinite = 0;   // samples, all replicates
+  // Of all replicates: where the plan has counters, or a partial sum is not finite.
+  std::optional<Counters> counters;
+  std::optional<double> kappa;   // sum |f| / |sum f|, where counted
   bool grid_limited = false;     // more points than the coordinates can tell apart
   bool below_reference = false;  // the RMSE is below 3 x the error of the reference
   std::string error_reason;      // why there are no errors, or none to believe

@@ -59,6 +59,8 @@ PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact
   plan_->request.dimension_order = exact_.dimension_order;
   const auto start = Clock::now();
   integrator_ = std::make_unique<Integrator>(device, *plan_, exact_.coefficients);
+  const double typical = sampled_scale(context()).value_or(1);
+  integrator_->count_against(blow_up_limit(exact_), typical > 0 ? typical : 1);
   // The first launch finishes compilation on some implementations (PoCL): warm up here, before
   // anything is timed.
   y0_ = median_of_finite(integrator_->first_values());
@@ -134,7 +136,16 @@ void PreparedCell::summarise(const Sums& sums, Row& row) {
                                                 sums.values[r], sums.squares[r], y0_, unit);
     if (variance) variances.push_back(*variance);
   }
-  if (faulty) row.nonfinite = integrator_->count_nonfinite(catalog_, row.n);
+  if (plan_->counters)
+    row.counters = integrator_->counters();
+  else if (faulty)
+    row.counters = integrator_->count(catalog_, row.n);
+  if (row.counters) {
+    ExactSum total;
+    for (const ExactSum& sum : sums.values) total.add(sum);
+    row.nonfinite = row.counters->nonfinite();
+    row.kappa = row.counters->kappa(total.rounded());
+  }
   assess_row(context(), estimates, variances, row);
 }
 
