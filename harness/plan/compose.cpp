@@ -37,14 +37,15 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   if (plan.sampler->rotated) define("KOKSMA_ROTATED", 1);
   define("KOKSMA_LOCAL_SIZE", plan.shape.local_size);
   for (const auto& [name, value] : plan.sampler->defines) define(name, value);
-  if (kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite) {
+  if (kind == ProgramKind::integrate) {
     define("KOKSMA_MOMENTS", plan.estimator->moments);
     if (plan.estimator->moments == 2)
       define("KOKSMA_SQUARES_OF", plan.estimator->second_moment == "values"       ? 0
                                   : plan.estimator->second_moment == "pair-means" ? 1
                                                                                   : 2);
     define("KOKSMA_SUM_WORDS", plan.sum_words());
-    define("KOKSMA_COUNT_NONFINITE", kind == ProgramKind::count_nonfinite ? 1 : 0);
+    if (plan.counters) define("KOKSMA_COUNTERS", 1);
+    if (plan.counters) define("KOKSMA_COUNTERS_FP64", plan.device_fp64 ? 1 : 0);
   } else {
     define("KOKSMA_WITH_INTEGRAND", kind == ProgramKind::inspect_scene ? 1 : 0);
   }
@@ -93,7 +94,7 @@ void append_integrand(std::string& text, const Catalog& catalog, const Integrand
 }
 
 ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind) {
-  const bool integrates = kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite;
+  const bool integrates = kind == ProgramKind::integrate;
   std::string text = defines_source(plan, kind);
   append_embedded(text, "kernels/prelude.cl");
   if (integrates) append_piece(text, plan.sum->code);
@@ -101,6 +102,7 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
   for (const SourceFile& part : family.parts) append_piece(text, part);
   append_piece(text, family.code);
   if (plan.sampler->rotated) append_embedded(text, "kernels/rotate.cl");
+  if (integrates && plan.counters) append_embedded(text, "kernels/counters.cl");
   if (kind != ProgramKind::inspect) {
     for (const std::string& name : plan.integrand->transforms)
       append_piece(text, catalog.transform(name).code);
@@ -127,7 +129,9 @@ ProgramSource compose_preparation(const Family& family, const std::string& piece
 }
 
 ProgramSource counting_program(const Catalog& catalog, const Plan& plan) {
-  return compose(catalog, plan, ProgramKind::count_nonfinite);
+  Plan counting = plan;
+  counting.counters = true;
+  return compose(catalog, counting, ProgramKind::integrate);
 }
 
 ProgramSource inspect_program(const Catalog& catalog, const Plan& plan, bool with_integrand) {

@@ -69,6 +69,7 @@ struct Plan {
   std::uint32_t coordinate_bits = 52;  // 23 also where coarse_coordinates
   LaunchShape shape;
   bool relaxed_math = false, counters = false, coarse_coordinates = false;  // as in PlanOptions
+  bool device_fp64 = true;  // for what is summed in the widest precision, whatever the cell's
   ProgramSource program;
   PointRequest request;
   std::optional<PlannedPreparation> preparation;  // to run before the point table is built
@@ -97,8 +98,8 @@ struct Plan {
 Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& device,
                const std::string& directions_file = "", const PlanOptions& options = {});
 
-// The plan's program with non-finite samples counted: built only when a partial sum came out
-// non-finite.
+// The plan's program with counters: the plan's own where it has them, else built only when a
+// partial sum came out non-finite.
 ProgramSource counting_program(const Catalog& catalog, const Plan& plan);
 
 // Dumps points; with an integrand (draw counting) when the plan's scene is given.
