@@ -85,4 +85,7 @@ struct CellResult {
   CellVerdict stability;
 };
 
+// A cell that did not run, with why in every place where a reader looks for a number.
+CellResult refused_cell(const Cell& cell, CellStatus status, const std::string& reason);
+
 }  // namespace koksma

@@ -53,7 +53,7 @@ std::string number(const Json& value, const char* format) {
 std::vector<std::string> case_columns(const Json& item, bool with_relaxed) {
   const Json& cell = item["cell"];
   const Json& verdict = cell["stability"]["verdict"];
-  std::string word = verdict.is_string() ? verdict.get<std::string>() : cell["status"];
+  std::string word = (verdict.is_string() ? verdict : cell["status"]).get<std::string>();
   for (const Json& mark : cell["stability"]["marks"]) word += " +" + mark.get<std::string>();
   std::vector<std::string> columns{
       item["met"] == false ? "!" : "",
