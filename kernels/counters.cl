@@ -15,6 +15,22 @@ typedef mask signed_bits;
 static inline bits ones_of(mask m) { return (word)0 - KOKSMA_AS_BITS(m); }
 #endif
 
+// any_lane of masks whose lanes are 0 or -1, for every sample: PoCL's any() tests lane after lane.
+static inline int some_lane(mask m) {
+#if KOKSMA_LANES_PER_ITEM == 16
+  m.lo |= m.hi;
+  m.lo.lo |= m.lo.hi;
+  return ((m.s0 | m.s1) | (m.s2 | m.s3)) != 0;
+#elif KOKSMA_LANES_PER_ITEM == 8
+  m.lo |= m.hi;
+  return ((m.s0 | m.s1) | (m.s2 | m.s3)) != 0;
+#elif KOKSMA_LANES_PER_ITEM == 4
+  return ((m.s0 | m.s1) | (m.s2 | m.s3)) != 0;
+#else
+  return m;
+#endif
+}
+
 // The sums of |f| and f^2 are in fp64 where the device has it.
 #if KOKSMA_COUNTERS_FP64
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
@@ -135,12 +151,12 @@ static inline void count_samples(counters *k, real y, const watched_points *p, m
   const signed_bits above = KOKSMA_AS_SIGNED(size + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
   const mask odd = above > (signed_bits)(KOKSMA_SIGNED)(limit + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
   const mask outside = outside_lanes(p) & valid;
-  if (any_lane(odd | outside)) {
+  if (some_lane(odd | outside)) {
     const mask zero = size == (bits)(word)0;
     k->zero += ones_of(zero);
-    if (any_lane((odd & not_lanes(zero)) | outside)) {
+    if (some_lane((odd & not_lanes(zero)) | outside)) {
       y = count_exceptional(k, y, size, limit);
-      if (any_lane(outside)) count_coordinates(k, p, valid);
+      if (some_lane(outside)) count_coordinates(k, p, valid);
     }
   }
   const real magnitude = fabs(y);
@@ -184,6 +200,7 @@ static inline void counters_store(const counters *k, ulong samples, __global ulo
   store_lanes(k->sum_squares, sizes + sums_stride);
 }
 
+#undef inline
 #define points watched_points
 #define points_seek watched_seek
 #define points_next watched_next
