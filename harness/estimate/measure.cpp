@@ -223,8 +223,10 @@ void PreparedCell::summarise(const Sums& sums, Row& row) {
                                                 sums.values[r], sums.squares[r], y0_, unit);
     if (variance) variances.push_back(*variance);
   }
-  if (plan_->counters) row.counters = integrator_->counters();
-  else if (faulty) row.counters = integrator_->count(catalog_, row.n);
+  if (plan_->counters)
+    row.counters = integrator_->counters();
+  else if (faulty)
+    row.counters = integrator_->count(catalog_, row.n);
   if (row.counters) {
     ExactSum total;
     for (const ExactSum& sum : sums.values) total.add(sum);

@@ -34,7 +34,7 @@ struct Row {
   ErrorStatistics errors;
   Estimate estimate;
   McTest mc_test;
-  std::uint64_t nonfinite = 0;   // samples, all replicates
+  std::uint64_t nonfinite = 0;  // samples, all replicates
   // Of all replicates: where the plan has counters, or a partial sum is not finite.
   std::optional<Counters> counters;
   std::optional<double> kappa;   // sum |f| / |sum f|, where counted

@@ -36,9 +36,9 @@ struct LaunchShape {
 // What `koksma stability` asks of a plan and no other verb does.
 struct PlanOptions {
   std::optional<LaunchShape> shape;  // empty: the device's
-  bool relaxed_math = false;         // -cl-fast-relaxed-math: to see what it breaks, never to report
-  bool counters = false;             // exceptional samples, hits and sums of |f| and f^2 are counted
-  bool coarse_coordinates = false;   // fp64 evaluates at the 23-bit coordinates of fp32
+  bool relaxed_math = false;        // -cl-fast-relaxed-math: to see what it breaks, never to report
+  bool counters = false;            // exceptional samples, hits and sums of |f| and f^2 are counted
+  bool coarse_coordinates = false;  // fp64 evaluates at the 23-bit coordinates of fp32
 };
 
 // A program in source form.
