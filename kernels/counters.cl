@@ -15,6 +15,24 @@ typedef mask signed_bits;
 static inline bits ones_of(mask m) { return (word)0 - KOKSMA_AS_BITS(m); }
 #endif
 
+// any_lane of masks whose lanes are 0 or -1, for every sample: PoCL's any() tests lane after lane.
+static inline int some_lane(mask m) {
+#if KOKSMA_LANES_PER_ITEM == 1
+  return m;
+#else
+#if KOKSMA_LANES_PER_ITEM == 4
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = m;
+#elif KOKSMA_LANES_PER_ITEM == 8
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = m.lo | m.hi;
+#else
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 8) half_of = m.lo | m.hi;
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = half_of.lo | half_of.hi;
+#endif
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 2) pair = quarter.lo | quarter.hi;
+  return (pair.x | pair.y) != 0;
+#endif
+}
+
 // The sums of |f| and f^2 are in fp64 where the device has it.
 #if KOKSMA_COUNTERS_FP64
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
@@ -80,7 +98,7 @@ typedef struct {
   bits zero;  // samples f = +-0; all others are hits
   bits nan, plus_inf, minus_inf, denormal, blow_up;
   bits coordinate_le0, coordinate_ge1;
-  real largest;               // |f|, of finite samples
+  signed_bits largest;        // the bits of the greatest |f| of finite samples
   wide sum_abs, sum_squares;  // of f times the scale, finite samples
 } counters;
 
@@ -88,7 +106,7 @@ static inline void counters_init(counters *k) {
   const bits none = (bits)(word)0;
   k->zero = k->nan = k->plus_inf = k->minus_inf = k->denormal = k->blow_up = none;
   k->coordinate_le0 = k->coordinate_ge1 = none;
-  k->largest = R(0.0);
+  k->largest = (signed_bits)(KOKSMA_SIGNED)0;
   k->sum_abs = k->sum_squares = KOKSMA_TO_WIDE(R(0.0));
 }
 
@@ -120,10 +138,6 @@ static inline real count_exceptional(counters *k, real y, bits size, word limit)
   k->minus_inf += ones_of(is_inf & negative);
   k->denormal += ones_of(denormal);
   k->blow_up += ones_of((size > (bits)limit) & not_lanes(is_nan));
-  // A denormal is the largest only where all before it are, or 0; their bits are in order.
-  const bits largest = KOKSMA_AS_BITS(k->largest);
-  const bits candidate = size & ((word)0 - ones_of(denormal));
-  k->largest = KOKSMA_AS_REAL(max(largest, candidate));
   return KOKSMA_AS_REAL(KOKSMA_AS_BITS(y) & ((word)0 - ones_of(not_lanes(is_nan | is_inf))));
 }
 
@@ -135,16 +149,16 @@ static inline void count_samples(counters *k, real y, const watched_points *p, m
   const signed_bits above = KOKSMA_AS_SIGNED(size + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
   const mask odd = above > (signed_bits)(KOKSMA_SIGNED)(limit + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
   const mask outside = outside_lanes(p) & valid;
-  if (any_lane(odd | outside)) {
+  if (some_lane(odd | outside)) {
     const mask zero = size == (bits)(word)0;
     k->zero += ones_of(zero);
-    if (any_lane((odd & not_lanes(zero)) | outside)) {
+    if (some_lane((odd & not_lanes(zero)) | outside)) {
       y = count_exceptional(k, y, size, limit);
-      if (any_lane(outside)) count_coordinates(k, p, valid);
+      if (some_lane(outside)) count_coordinates(k, p, valid);
     }
   }
-  const real magnitude = fabs(y);
-  k->largest = select_real(magnitude > k->largest, magnitude, k->largest);
+  const real magnitude = KOKSMA_AS_REAL(KOKSMA_AS_BITS(y) & (bits)(KOKSMA_SIGN_BIT - 1));
+  k->largest = max(k->largest, KOKSMA_AS_SIGNED(magnitude));
   const wide scaled = KOKSMA_TO_WIDE(magnitude) * scale;
   k->sum_abs += scaled;
   k->sum_squares = fma(scaled, scaled, k->sum_squares);
@@ -158,10 +172,10 @@ static inline ulong sum_lanes(bits count) {
   return sum;
 }
 
-static inline ulong largest_pattern(real value) {
+static inline ulong largest_lane(bits values) {
   ulong most = 0;
   word lanes[KOKSMA_LANES_PER_ITEM];
-  store_lanes(KOKSMA_AS_BITS(value), lanes);
+  store_lanes(values, lanes);
   for (uint l = 0; l < KOKSMA_LANES_PER_ITEM; ++l) most = max(most, (ulong)lanes[l]);
   return most;
 }
@@ -179,11 +193,12 @@ static inline void counters_store(const counters *k, ulong samples, __global ulo
   counts[5 * stride] = sum_lanes(k->coordinate_ge1);
   counts[6 * stride] = samples - sum_lanes(k->zero);
   counts[7 * stride] = sum_lanes(k->blow_up);
-  counts[8 * stride] = largest_pattern(k->largest);
+  counts[8 * stride] = largest_lane(KOKSMA_AS_BITS(k->largest));
   store_lanes(k->sum_abs, sizes);
   store_lanes(k->sum_squares, sizes + sums_stride);
 }
 
+#undef inline
 #define points watched_points
 #define points_seek watched_seek
 #define points_next watched_next

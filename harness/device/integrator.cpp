@@ -230,10 +230,10 @@ bool Integrator::counts(const cl::Kernel& kernel) const {
 }
 
 void Integrator::count_against(double blow_up, double typical) {
-  const double most = plan_.fp64() ? std::numeric_limits<double>::max()
-                                   : double{std::numeric_limits<float>::max()};
-  const double least = plan_.fp64() ? std::numeric_limits<double>::min()
-                                    : double{std::numeric_limits<float>::min()};
+  const double most =
+      plan_.fp64() ? std::numeric_limits<double>::max() : double{std::numeric_limits<float>::max()};
+  const double least =
+      plan_.fp64() ? std::numeric_limits<double>::min() : double{std::numeric_limits<float>::min()};
   blow_up_ = std::clamp(blow_up, least, most);
   // The kernel multiplies by 1 / unit, which must be a normal number too.
   const int range = plan_.device_fp64 ? 1022 : 126;
@@ -278,10 +278,10 @@ void Integrator::read_counters(const Launch& l) {
         &counters_.coord_le0, &counters_.coord_ge1, &counters_.hits, &counters_.blow_ups})
     for (const std::uint64_t count : word(k++)) *total += count;
   for (const std::uint64_t pattern : word(k))
-    counters_.max_abs = std::max(
-        counters_.max_abs,
-        plan_.fp64() ? std::bit_cast<double>(pattern)
-                     : double{std::bit_cast<float>(static_cast<std::uint32_t>(pattern))});
+    counters_.max_abs =
+        std::max(counters_.max_abs,
+                 plan_.fp64() ? std::bit_cast<double>(pattern)
+                              : double{std::bit_cast<float>(static_cast<std::uint32_t>(pattern))});
   // Blocks come in order within a replicate whatever the launch split, and so are added.
   const std::size_t per_replicate = l.blocks * kLanes;
   read_reals(sizes_, per_replicate * l.replicates * 2, plan_.device_fp64);
