@@ -282,6 +282,7 @@ CellFacts facts_of(const CellContext& context, const CellResult& result) {
     facts.index_fault = !result.detail.index->sum_ok || !result.detail.index->sum_of_squares_ok ||
                         !result.detail.index->xor_of_hashes_ok;
   facts.n_eff = effective_samples(context, last.n);
+  facts.empirical_n_eff = empirical_n_eff(context, last);
   facts.errors = last.errors;
   if (context.kurtosis.excess) facts.excess_of_mean = *context.kurtosis.excess / samples;
   facts.unbounded_tail = context.kurtosis.unbounded;
