@@ -14,10 +14,16 @@ const Json* matching_check(const Integrand& integrand, const Scene& scene);
 
 struct ExactValues {
   std::optional<double> mean, variance, mean_abs;
-  std::optional<double> variation;   // of Hardy and Krause, anchored at 1
-  bool infinite_variance = false;    // known to be infinite; `variance` is then empty
-  bool variance_overflows = false;   // finite, but above the range of double; also empty
-  bool mean_undefined = false;       // f has no mean; `mean` is then empty
+  std::optional<double> variation;  // of Hardy and Krause, anchored at 1
+  bool infinite_variance = false;   // known to be infinite; `variance` is then empty
+  bool variance_overflows = false;  // finite, but above the range of double; also empty
+  bool mean_undefined = false;      // f has no mean; `mean` is then empty
+  // Of the numerical solution, where f solves a differential equation and they are known.
+  std::optional<double> discrete_mean, discrete_variance, discrete_mean_abs;
+  // One of them is finite, but above the range of double.
+  bool discrete_overflows = false;
+  std::optional<double> bound;       // sup |f| of the true solution
+  std::optional<double> stiffness;   // largest h |λ|, h the solver's step
   std::vector<double> coefficients;  // [dimension][coefficient]
   // Which dimension of the points the k-th draw takes, a permutation; empty: the k-th.
   std::vector<std::uint32_t> dimension_order;

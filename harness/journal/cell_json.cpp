@@ -36,6 +36,9 @@ Json scene_json(const Catalog& catalog, const CellResult& result) {
   scene["parameters"] = Json::object();
   for (std::size_t i = 0; i < f.parameters.size(); ++i)
     scene["parameters"][f.parameters[i].name] = result.cell.scene.parameters[i];
+  scene["choices"] = Json::object();
+  for (std::size_t i = 0; i < f.choices.size(); ++i)
+    scene["choices"][f.choices[i].name] = result.cell.scene.choices[i];
   scene["class"] = f.smoothness;
   const Json* check = matching_check(f, result.cell.scene);
   scene["exact"]["mean"] = exact_json(result.exact.mean, f.mean, check, "mean");

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+
 #include "catalog/embedded.hpp"
 
 namespace koksma {
@@ -66,6 +68,30 @@ std::string params_source(const Integrand& f, const char* type) {
       f.name, members, type, loads);
 }
 
+std::string choices_source(const Integrand& f, const Scene& scene) {
+  std::string text;
+  for (std::size_t i = 0; i < f.choices.size(); ++i) {
+    std::string name = fmt::format("{}_{}", f.choices[i].name, scene.choices.at(i));
+    for (char& c : name)
+      c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    text += fmt::format("#define KOKSMA_{} 1\n", name);
+  }
+  return text;
+}
+
+void append_integrand(std::string& text, const Catalog& catalog, const Integrand& f,
+                      const Scene& scene) {
+  text += choices_source(f, scene);
+  text += params_source(f, "scalar");
+  if (const std::string* solver = solver_of(f, scene.choices)) {
+    text += fmt::format("#define KOKSMA_ODE_SIZE {}\n", f.ode_size);
+    for (const SourceFile& part : catalog.solver_parts) append_piece(text, part);
+    append_piece(text, catalog.solver(*solver).code);
+  }
+  for (const SourceFile& part : f.parts) append_piece(text, part);
+  append_piece(text, f.code);
+}
+
 ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind) {
   const bool integrates = kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite;
   std::string text = defines_source(plan, kind);
@@ -78,9 +104,7 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
   if (kind != ProgramKind::inspect) {
     for (const std::string& name : plan.integrand->transforms)
       append_piece(text, catalog.transform(name).code);
-    text += params_source(*plan.integrand, "scalar");
-    for (const SourceFile& part : plan.integrand->parts) append_piece(text, part);
-    append_piece(text, plan.integrand->code);
+    append_integrand(text, catalog, *plan.integrand, plan.cell.scene);
   }
   append_embedded(text, integrates ? "kernels/integrate.cl" : "kernels/inspect.cl");
   const std::string scene = plan.integrand == nullptr ? "points" : plan.integrand->name;
@@ -110,16 +134,20 @@ ProgramSource inspect_program(const Catalog& catalog, const Plan& plan, bool wit
   return compose(catalog, plan, with_integrand ? ProgramKind::inspect_scene : ProgramKind::inspect);
 }
 
-ProgramSource exact_program(const Integrand& integrand) {
+ProgramSource exact_program(const Integrand& integrand, const Scene& scene) {
   std::string text = "#define KOKSMA_EXACT 1\n#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n";
   using Kind = ExactSource::Kind;
   if (integrand.mean.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN 1\n";
   if (integrand.variance.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIANCE 1\n";
   if (integrand.mean_abs.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN_ABS 1\n";
   if (integrand.variation.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIATION 1\n";
+  if (integrand.discrete.kind == Kind::formula) text += "#define KOKSMA_EXACT_DISCRETE 1\n";
+  if (integrand.bound.kind == Kind::formula) text += "#define KOKSMA_EXACT_BOUND 1\n";
+  if (integrand.stiffness.kind == Kind::formula) text += "#define KOKSMA_EXACT_STIFFNESS 1\n";
   if (integrand.dimension_order) text += "#define KOKSMA_EXACT_ORDER 1\n";
   if (!integrand.coefficients.empty())
     text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", integrand.coefficients.size());
+  text += choices_source(integrand, scene);
   text += params_source(integrand, "double");
   for (const SourceFile& part : integrand.parts) append_piece(text, part);
   append_piece(text, integrand.code);
