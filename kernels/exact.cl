@@ -1,6 +1,6 @@
 // exact.cl: the program of exact values, the last piece after the params and the integrand's KOKSMA_EXACT
 // part. It runs in scalar double on a CPU device with fp64, once per cell, and is built without any
-// relaxed flag. Defines: KOKSMA_EXACT_MEAN, _VARIANCE, _MEAN_ABS, _VARIATION (1 where the integrand has that
+// relaxed flag. Defines: KOKSMA_EXACT_MEAN, _VARIANCE, _MEAN_ABS, _VARIATION, _DISCRETE, _BOUND, _STIFFNESS (1 where the integrand has that
 // function), KOKSMA_EXACT_ORDER (1 where it has dimension_order) and KOKSMA_EXACT_SETUP (the number of coefficients,
 // where there are any). `values` are the parameters in their order.
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
@@ -30,10 +30,11 @@ static void add_variation_factor(double value_at_one, double total_variation, do
   *at_one *= fabs(value_at_one);
 }
 
-// out = mean, variance, mean of |f|, Hardy-Krause variation; NaN where the integrand's entry has no formula.
+// out = mean, variance, mean of |f|, Hardy-Krause variation; mean, variance and mean of |f| of the numerical solution;
+// sup |f| of the true one; the largest h |lambda|. NaN where the integrand's entry has no formula.
 __kernel void exact_values(__global const double *values, uint d, __global double *out) {
   const params q = load_params(values);
-  out[0] = out[1] = out[2] = out[3] = NAN;
+  for (uint i = 0; i < 9; ++i) out[i] = NAN;
 #ifdef KOKSMA_EXACT_MEAN
   out[0] = exact_mean(q, d);
 #endif
@@ -45,6 +46,19 @@ __kernel void exact_values(__global const double *values, uint d, __global doubl
 #endif
 #ifdef KOKSMA_EXACT_VARIATION
   out[3] = exact_variation(q, d);
+#endif
+#ifdef KOKSMA_EXACT_DISCRETE
+  double mean, variance, mean_abs;
+  discrete_moments(q, d, &mean, &variance, &mean_abs);
+  out[4] = mean;
+  out[5] = variance;
+  out[6] = mean_abs;
+#endif
+#ifdef KOKSMA_EXACT_BOUND
+  out[7] = exact_bound(q, d);
+#endif
+#ifdef KOKSMA_EXACT_STIFFNESS
+  out[8] = exact_stiffness(q, d);
 #endif
 }
 

@@ -28,12 +28,14 @@ std::set<std::string> names(const std::string& code, const std::string& pattern)
 }
 
 // The piece with its own names made those of item k, so that others may have the same.
-std::string renamed(const Integrand& f, std::size_t k) {
-  std::string source = source_text(f);
+std::string renamed(const Integrand& f, const Scene& scene, std::size_t k) {
+  std::string source;
+  append_integrand(source, catalog(), f, scene);
   source.insert(0, 1, '\n');  // names begin lines
   std::set<std::string> own = names(source, R"(\nstatic [^;{=]*?(\w+)\()");
   own.merge(names(source, R"(\n__constant \w+ (\w+))"));
   own.insert({"integrand", "params", "load_params"});
+  if (f.ode_size > 0) own.insert("ode");
   std::string before, after;
   for (const std::string& name : own) {
     before += fmt::format("#define {0} {0}_{1}\n", name, k);
@@ -41,8 +43,7 @@ std::string renamed(const Integrand& f, std::size_t k) {
   }
   for (const std::string& name : names(source, R"(\n *#define (\w+))"))
     after += fmt::format("#undef {}\n", name);
-  return before + params_source(f, "scalar") +
-         fmt::format("#line 1 \"{}\"\n{}\n", f.code.path, source) + after;
+  return before + source + after;
 }
 
 ProgramSource batch_program(const std::vector<BatchItem>& items, bool fp64, std::uint32_t lanes) {
@@ -58,7 +59,7 @@ ProgramSource batch_program(const std::vector<BatchItem>& items, bool fp64, std:
     const Integrand& f = catalog().integrand(items[k].scene.integrand, "test");
     for (const std::string& name : f.transforms)
       if (transforms.insert(name).second) text += catalog().transform(name).code.text;
-    pieces += renamed(f, k);
+    pieces += renamed(f, items[k].scene, k);
     calls +=
         fmt::format("  if (item == {0}) y = integrand_{0}(&p, load_params_{0}(values), c);\n", k);
   }

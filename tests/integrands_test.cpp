@@ -13,12 +13,7 @@ using namespace koksma;
 namespace {
 
 Scene scene_of(const Integrand& f, const Json& check) {
-  Scene scene;
-  scene.integrand = f.name;
-  scene.dim = check["d"];
-  for (const Parameter& p : f.parameters)
-    scene.parameters.push_back(check["parameters"].value(p.name, p.default_value));
-  return scene;
+  return scene_of(f, check["d"], check["parameters"]);
 }
 
 // Relative to the value, absolute where it is 0.

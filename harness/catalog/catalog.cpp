@@ -54,6 +54,11 @@ void read_kernels(Catalog& catalog, const EmbeddedFile& file) {
   } else if (is_json_in(path, "kernels/sums/")) {
     const Json entry = checked_entry(path, file.text, "harness/catalog/sum.schema.json");
     catalog.sums.push_back(read_sum(entry, embedded_code_beside(path)));
+  } else if (is_json_in(path, "kernels/solvers/")) {
+    const Json entry = checked_entry(path, file.text, "harness/catalog/solver.schema.json");
+    catalog.solvers.push_back(read_solver(entry, embedded_code_beside(path)));
+  } else if (path.starts_with("kernels/solvers/parts/")) {
+    catalog.solver_parts.push_back({std::string(path), std::string(file.text)});
   } else if (is_json_in(path, "kernels/transforms/") || is_json_in(path, "kernels/filters/")) {
     const Json entry = checked_entry(path, file.text, "harness/catalog/transform.schema.json");
     auto& list = path.starts_with("kernels/filters/") ? catalog.filters : catalog.transforms;
@@ -80,6 +85,15 @@ std::vector<SourceFile> integrand_parts(const Json& entry, std::string_view path
   return parts;
 }
 
+void check_solvers(const Catalog& catalog, const Choice& choice, std::string_view path) {
+  if (!choice.is_solver) return;
+  std::vector<std::string> known;
+  for (const Solver& solver : catalog.solvers) known.push_back(solver.name);
+  for (const std::string& name : choice.allowed)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw unknown_name(fmt::format("{}, at '/choices'", path), "solver", name, known);
+}
+
 void add_integrand(Catalog& catalog, const Json& classes, std::string_view path,
                    std::string_view text, SourceFile code) {
   const Json entry = checked_entry(path, text, "harness/catalog/integrand.schema.json");
@@ -90,6 +104,7 @@ void add_integrand(Catalog& catalog, const Json& classes, std::string_view path,
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw unknown_name(fmt::format("{}, at '/transforms'", path), "transform", name, known);
   }
+  for (const Choice& choice : integrand.choices) check_solvers(catalog, choice, path);
   integrand.parts = integrand_parts(entry, path);
   for (const Integrand& other : catalog.integrands) {
     if (other.name == integrand.name)
@@ -116,6 +131,9 @@ void check_functions(const Integrand& f, const std::string& json_path) {
   require(f.variance.kind == Kind::formula, "exact_variance", "/exact/variance", "formula");
   require(f.mean_abs.kind == Kind::formula, "exact_mean_abs", "/exact/mean_abs", "formula");
   require(f.variation.kind == Kind::formula, "exact_variation", "/exact/variation", "formula");
+  require(f.discrete.kind == Kind::formula, "discrete_moments", "/exact/discrete", "formula");
+  require(f.bound.kind == Kind::formula, "exact_bound", "/exact/bound", "formula");
+  require(f.stiffness.kind == Kind::formula, "exact_stiffness", "/exact/stiffness", "formula");
   require(f.dimension_order, "dimension_order", "/dimension_order", "true");
   require(!f.coefficients.empty(), "integrand_setup", "/coefficients", "that there are some");
 }
@@ -179,8 +197,17 @@ const Estimator& Catalog::estimator(std::string_view name, std::string_view wher
 const Family& Catalog::family(std::string_view name) const {
   return find_named(families, "family", name, "catalog");
 }
+const Solver& Catalog::solver(std::string_view name) const {
+  return find_named(solvers, "solver", name, "catalog");
+}
 const Transform& Catalog::transform(std::string_view name) const {
   return find_named(transforms, "transform", name, "catalog");
+}
+
+const std::string* solver_of(const Integrand& integrand, const std::vector<std::string>& choices) {
+  for (std::size_t i = 0; i < integrand.choices.size(); ++i)
+    if (integrand.choices[i].is_solver) return &choices.at(i);
+  return nullptr;
 }
 
 std::string source_text(const Integrand& integrand) {

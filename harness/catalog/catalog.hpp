@@ -63,6 +63,26 @@ struct Parameter {
   double default_value = 0, min = 0, max = 0;
 };
 
+// An alternative that is compiled in: the form of an expression, or the solver of an integrand that
+// integrates a differential equation.
+struct Choice {
+  std::string name, meaning;
+  std::vector<std::string> allowed;
+  std::string default_value;  // among `allowed`
+  bool is_solver = false;     // its values are solvers of the catalog
+};
+
+// A one-step method for y' = f(t, y), kernels/solvers/<name>.{cl,json}.
+struct Solver {
+  std::string name, title, citation;
+  unsigned order = 1;     // of the global error
+  bool adaptive = false;  // chooses its steps by a tolerance
+  // R(z), the growth of y' = λy over a step h, z = hλ: coefficients by ascending powers.
+  std::vector<double> numerator, denominator;
+  std::vector<std::string> properties;  // A-stable, L-stable
+  SourceFile code;
+};
+
 // Where an exact quantity comes from: a function in the .cl, the mean (mean_abs of a nonnegative
 // f), a constant, the values of the entry's checks, or nowhere. `undefined`: there is no mean.
 struct ExactSource {
@@ -103,6 +123,8 @@ struct Integrand {
   std::string smoothness;  // key into integrands/classes.json
   bool periodic = false, exact_operations = false, nonnegative = false;
   std::vector<Parameter> parameters;
+  std::vector<Choice> choices;
+  std::uint32_t ode_size = 0;  // equations that a sample solves; 0: none
   std::uint32_t min_dim = 1, max_dim = 1, default_dim = 1;
   std::vector<std::string> coefficients, transforms;
   bool dimension_order = false;  // the .cl says which dimension of the points each draw takes
@@ -110,13 +132,21 @@ struct Integrand {
   double ulps_fp32 = 8, ulps_fp64 = 8;  // largest error of one evaluation
   ExactSource mean, variance, mean_abs;
   ExactSource variation;  // of Hardy and Krause, anchored at 1
+  ExactSource discrete;   // moments of the numerical solution
+  ExactSource bound;      // sup |f| of the true solution
+  ExactSource stiffness;  // largest h |λ|
   FourthMoment fourth_moment = FourthMoment::estimated;
   std::map<std::string, ExpectedRate> expected;  // by sampler rate class
   Json checks, sample_checks;
+  Json stability;                 // cases of the stability suite
   bool users_own = false;         // given on the command line: no test of the project has seen it
   std::vector<SourceFile> parts;  // come before the code
   SourceFile code;
 };
+
+// The solver among a scene's choices, which are in the order of the entry; nullptr if there is
+// none.
+const std::string* solver_of(const Integrand& integrand, const std::vector<std::string>& choices);
 
 // The text of its pieces: the parts, then its own code.
 std::string source_text(const Integrand& integrand);
@@ -186,6 +216,8 @@ struct Catalog {
   std::vector<Transform> transforms;
   std::vector<Transform> filters;  // reconstruction filters: entries like those of transforms
   std::vector<SumAlgorithm> sums;
+  std::vector<Solver> solvers;
+  std::vector<SourceFile> solver_parts;  // what solvers share; comes before them
   std::vector<Estimator> estimators;
 
   // Lookups throw InputError("<where>", …) with the nearest spelling.
@@ -198,6 +230,7 @@ struct Catalog {
   const Estimator& estimator(std::string_view name, std::string_view where) const;
   // Lookups by names that the catalog itself holds.
   const Family& family(std::string_view name) const;
+  const Solver& solver(std::string_view name) const;
   const Transform& transform(std::string_view name) const;
 };
 

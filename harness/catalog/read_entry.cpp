@@ -72,6 +72,21 @@ void read_rates(const Json& rates, Integrand& f, std::string_view where) {
   }
 }
 
+std::vector<Choice> read_choices(const Json& entry, std::string_view where) {
+  std::vector<Choice> result;
+  const Json list = entry.value("choices", Json::array());
+  for (const Json& item : list) {
+    Choice choice{item["name"], item["meaning"], item["allowed"].get<std::vector<std::string>>(),
+                  item["default"], item.value("kind", "") == "solver"};
+    if (std::find(choice.allowed.begin(), choice.allowed.end(), choice.default_value) ==
+        choice.allowed.end())
+      throw unknown_name(fmt::format("{}, at '/choices/{}/default'", where, result.size()), "value",
+                         choice.default_value, choice.allowed);
+    result.push_back(std::move(choice));
+  }
+  return result;
+}
+
 // What the schema cannot say: ranges hold their defaults, and parameters can be told apart.
 void check_ranges(const Integrand& f, std::string_view where) {
   if (f.default_dim < f.min_dim || f.default_dim > f.max_dim)
@@ -79,6 +94,11 @@ void check_ranges(const Integrand& f, std::string_view where) {
                      fmt::format("d = {}", f.default_dim),
                      fmt::format("allowed: {} to {}", f.min_dim, f.max_dim));
   std::set<std::string> taken{"d"};
+  for (std::size_t i = 0; i < f.choices.size(); ++i)
+    if (!taken.insert(f.choices[i].name).second)
+      throw InputError(fmt::format("{}, at '/choices/{}/name'", where, i),
+                       fmt::format("the name '{}' is taken", f.choices[i].name),
+                       "give every choice its own name");
   for (std::size_t i = 0; i < f.parameters.size(); ++i) {
     const Parameter& p = f.parameters[i];
     const std::string at = fmt::format("{}, at '/parameters/{}", where, i);
@@ -165,6 +185,20 @@ SumAlgorithm read_sum(const Json& entry, SourceFile code) {
   return s;
 }
 
+Solver read_solver(const Json& entry, SourceFile code) {
+  Solver s;
+  s.name = entry["name"];
+  s.title = entry["title"];
+  s.citation = entry["citation"];
+  s.order = entry["order"];
+  s.adaptive = entry["adaptive"];
+  s.numerator = entry["stability"]["numerator"].get<std::vector<double>>();
+  s.denominator = entry["stability"]["denominator"].get<std::vector<double>>();
+  s.properties = entry["properties"].get<std::vector<std::string>>();
+  s.code = std::move(code);
+  return s;
+}
+
 Estimator read_estimator(const Json& entry) {
   Estimator e;
   e.name = entry["name"];
@@ -193,6 +227,8 @@ Integrand read_integrand(const Json& entry, const Json& classes, std::string_vie
   f.nonnegative = entry["nonnegative"];
   for (const Json& p : entry["parameters"])
     f.parameters.push_back({p["name"], p["meaning"], p["default"], p["min"], p["max"]});
+  f.choices = read_choices(entry, where);
+  if (entry.contains("ode")) f.ode_size = entry["ode"]["size"];
   f.min_dim = entry["dimensions"]["min"];
   f.max_dim = entry["dimensions"]["max"];
   f.default_dim = entry["dimensions"]["default"];
@@ -208,14 +244,24 @@ Integrand read_integrand(const Json& entry, const Json& classes, std::string_vie
   f.variance = read_exact(entry["exact"], "variance", where);
   f.mean_abs = read_exact(entry["exact"], "mean_abs", where);
   f.variation = read_exact(entry["exact"], "variation", where);
+  f.discrete = read_exact(entry["exact"], "discrete", where);
+  f.bound = read_exact(entry["exact"], "bound", where);
+  f.stiffness = read_exact(entry["exact"], "stiffness", where);
   if (entry["exact"].contains("kurtosis"))
     f.fourth_moment = entry["exact"]["kurtosis"]["from"] == "indicator" ? FourthMoment::indicator
                                                                         : FourthMoment::unknown;
   f.checks = entry.value("checks", Json::array());
   f.sample_checks = entry.value("sample_checks", Json::array());
+  f.stability = entry.value("stability", Json::array());
   f.code = std::move(code);
 
   check_ranges(f, where);
+  const bool solves = std::any_of(f.choices.begin(), f.choices.end(),
+                                  [](const Choice& choice) { return choice.is_solver; });
+  if (solves != (f.ode_size > 0))
+    throw InputError(fmt::format("{}, at '/ode'", where),
+                     solves ? "a solver and no equations" : "equations and no solver",
+                     "give \"ode\" and a choice of kind \"solver\", or neither");
   if (!classes.contains(f.smoothness)) {
     std::vector<std::string> names;
     for (const auto& [name, rates] : classes.items()) names.push_back(name);

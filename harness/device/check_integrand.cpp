@@ -104,11 +104,7 @@ void check_user_integrand(const Catalog& catalog, Device& device, Device& exact_
     throw InputError(f.code.path, fmt::format("the kernel draws {} coordinates per sample", drawn),
                      fmt::format("the scene has d = {}", cell.scene.dim));
   for (const Json& check : f.checks) {
-    Scene scene = cell.scene;
-    scene.dim = check["d"];
-    for (std::size_t i = 0; i < f.parameters.size(); ++i)
-      scene.parameters[i] =
-          check["parameters"].value(f.parameters[i].name, f.parameters[i].default_value);
+    const Scene scene = scene_of(f, check["d"], check["parameters"]);
     const ExactValues computed = compute_exact(exact_device, f, scene);
     compare(f, f.mean, "mean", computed.mean, check);
     compare(f, f.variance, "variance", computed.variance, check);

@@ -19,6 +19,10 @@ bool same_scene(const Json& check, const Integrand& f, const Scene& scene) {
         check["parameters"].value(f.parameters[i].name, f.parameters[i].default_value);
     if (value != scene.parameters[i]) return false;
   }
+  // What a check does not say holds for all values.
+  for (std::size_t i = 0; i < f.choices.size(); ++i)
+    if (check["parameters"].value(f.choices[i].name, scene.choices[i]) != scene.choices[i])
+      return false;
   return true;
 }
 
@@ -59,7 +63,7 @@ class ExactProgram {
   ExactProgram(Device& device, const Integrand& integrand, const Scene& scene)
       : device_(device),
         dim_(scene.dim),
-        program_(device.build(exact_program(integrand)).program),
+        program_(device.build(exact_program(integrand, scene)).program),
         values_(device.upload(scene.parameters.data(), scene.parameters.size() * sizeof(double))) {}
 
   // What `items` work-items of one kernel wrote.
@@ -88,7 +92,9 @@ class ExactProgram {
 
 bool has_formula(const Integrand& f) {
   return f.mean.kind == Kind::formula || f.variance.kind == Kind::formula ||
-         f.mean_abs.kind == Kind::formula || f.variation.kind == Kind::formula;
+         f.mean_abs.kind == Kind::formula || f.variation.kind == Kind::formula ||
+         f.discrete.kind == Kind::formula || f.bound.kind == Kind::formula ||
+         f.stiffness.kind == Kind::formula;
 }
 
 // A permutation that keeps draw 0 in place: sets of which coordinate 0 is special (Hammersley) then
@@ -111,12 +117,17 @@ const Json* matching_check(const Integrand& integrand, const Scene& scene) {
   return nullptr;
 }
 
+double blow_up_limit(const ExactValues& exact) {
+  const double huge = exact.mean_abs && *exact.mean_abs > 0 ? 1e30 * *exact.mean_abs : INFINITY;
+  return exact.bound ? std::min(10 * *exact.bound, huge) : huge;
+}
+
 ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene) {
   ExactValues result;
-  std::vector<double> out(4);
+  std::vector<double> out(9, std::nan(""));
   if (has_formula(integrand) || !integrand.coefficients.empty() || integrand.dimension_order) {
     ExactProgram program(device, integrand, scene);
-    if (has_formula(integrand)) out = program.run<double>("exact_values", 1, 4);
+    if (has_formula(integrand)) out = program.run<double>("exact_values", 1, 9);
     if (!integrand.coefficients.empty())
       result.coefficients = program.run<double>("setup_coefficients", scene.dim,
                                                 scene.dim * integrand.coefficients.size());
@@ -136,6 +147,16 @@ ExactValues compute_exact(Device& device, const Integrand& integrand, const Scen
   result.mean_abs = resolve(integrand.mean_abs, out[2], result.mean, integrand, scene, "mean_abs");
   result.variation =
       resolve(integrand.variation, out[3], std::nullopt, integrand, scene, "variation");
+  const auto finite = [](double value) {
+    return std::isfinite(value) ? std::optional(value) : std::nullopt;
+  };
+  result.discrete_mean = finite(out[4]);
+  result.discrete_variance = finite(out[5]);
+  result.discrete_mean_abs = finite(out[6]);
+  result.discrete_overflows = std::isinf(out[4]) || std::isinf(out[5]) || std::isinf(out[6]);
+  result.bound = resolve(integrand.bound, out[7], std::nullopt, integrand, scene, "bound");
+  result.stiffness =
+      resolve(integrand.stiffness, out[8], std::nullopt, integrand, scene, "stiffness");
   return result;
 }
 

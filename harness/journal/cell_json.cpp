@@ -36,6 +36,9 @@ Json scene_json(const Catalog& catalog, const CellResult& result) {
   scene["parameters"] = Json::object();
   for (std::size_t i = 0; i < f.parameters.size(); ++i)
     scene["parameters"][f.parameters[i].name] = result.cell.scene.parameters[i];
+  scene["choices"] = Json::object();
+  for (std::size_t i = 0; i < f.choices.size(); ++i)
+    scene["choices"][f.choices[i].name] = result.cell.scene.choices[i];
   scene["class"] = f.smoothness;
   const Json* check = matching_check(f, result.cell.scene);
   scene["exact"]["mean"] = exact_json(result.exact.mean, f.mean, check, "mean");
@@ -66,7 +69,7 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
   const double seconds = row.kernel.median / result.cell.replicates;  // of one replicate
   const ErrorStatistics& e = row.errors;
   // What rests on an RMSE that f has been missed by means nothing.
-  const bool resolved = e.rmse && !row.unresolved;
+  const bool resolved = e.rmse && row.unresolved.empty();
   Json json;
   json["n"] = row.n;
   json["log2_block"] = row.log2_block;
@@ -84,7 +87,7 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
   json["rmse_interval"] = resolved && e.rmse_low && e.rmse_high
                               ? interval_json(Interval{*e.rmse_low, *e.rmse_high})
                               : Json(nullptr);
-  json["rmse_interval_method"] = row.unresolved ? "unresolved" : e.rmse_interval_method;
+  json["rmse_interval_method"] = e.rmse_interval_method;
   json["median_abs_error"] = number_or_null(e.median_abs);
   json["bias"] = number_or_null(e.bias);
   json["sd"] = number_or_null(e.sd);
@@ -178,7 +181,7 @@ Json efficiency_json(const CellResult& result) {
   std::vector<TimePoint> points;
   double largest = 0;
   for (const Row& row : result.rows) {
-    if (!row.errors.rmse || row.unresolved || row.below_reference || launch_bound(row)) continue;
+    if (!row.errors.rmse || !row.unresolved.empty() || row.below_reference || launch_bound(row)) continue;
     points.push_back({row.kernel.median / result.cell.replicates, *row.errors.rmse});
     largest = std::max(largest, *row.errors.rmse);
   }

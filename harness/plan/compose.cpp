@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+
 #include "catalog/embedded.hpp"
 
 namespace koksma {
@@ -35,14 +37,15 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   if (plan.sampler->rotated) define("KOKSMA_ROTATED", 1);
   define("KOKSMA_LOCAL_SIZE", plan.shape.local_size);
   for (const auto& [name, value] : plan.sampler->defines) define(name, value);
-  if (kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite) {
+  if (kind == ProgramKind::integrate) {
     define("KOKSMA_MOMENTS", plan.estimator->moments);
     if (plan.estimator->moments == 2)
       define("KOKSMA_SQUARES_OF", plan.estimator->second_moment == "values"       ? 0
                                   : plan.estimator->second_moment == "pair-means" ? 1
                                                                                   : 2);
     define("KOKSMA_SUM_WORDS", plan.sum_words());
-    define("KOKSMA_COUNT_NONFINITE", kind == ProgramKind::count_nonfinite ? 1 : 0);
+    if (plan.counters) define("KOKSMA_COUNTERS", 1);
+    if (plan.counters) define("KOKSMA_COUNTERS_FP64", plan.device_fp64 ? 1 : 0);
   } else {
     define("KOKSMA_WITH_INTEGRAND", kind == ProgramKind::inspect_scene ? 1 : 0);
   }
@@ -81,8 +84,32 @@ std::string params_source(const Integrand& f, const char* type) {
       f.name, members, type, loads);
 }
 
+std::string choices_source(const Integrand& f, const Scene& scene) {
+  std::string text;
+  for (std::size_t i = 0; i < f.choices.size(); ++i) {
+    std::string name = fmt::format("{}_{}", f.choices[i].name, scene.choices.at(i));
+    for (char& c : name)
+      c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    text += fmt::format("#define KOKSMA_{} 1\n", name);
+  }
+  return text;
+}
+
+void append_integrand(std::string& text, const Catalog& catalog, const Integrand& f,
+                      const Scene& scene) {
+  text += choices_source(f, scene);
+  text += params_source(f, "scalar");
+  if (const std::string* solver = solver_of(f, scene.choices)) {
+    text += fmt::format("#define KOKSMA_ODE_SIZE {}\n", f.ode_size);
+    for (const SourceFile& part : catalog.solver_parts) append_piece(text, part);
+    append_piece(text, catalog.solver(*solver).code);
+  }
+  for (const SourceFile& part : f.parts) append_piece(text, part);
+  append_piece(text, f.code);
+}
+
 ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind) {
-  const bool integrates = kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite;
+  const bool integrates = kind == ProgramKind::integrate;
   std::string text = defines_source(plan, kind);
   append_embedded(text, "kernels/prelude.cl");
   if (integrates) append_piece(text, plan.sum->code);
@@ -90,12 +117,11 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
   for (const SourceFile& part : family.parts) append_piece(text, part);
   append_piece(text, family.code);
   if (plan.sampler->rotated) append_embedded(text, "kernels/rotate.cl");
+  if (integrates && plan.counters) append_embedded(text, "kernels/counters.cl");
   if (kind != ProgramKind::inspect) {
     for (const std::string& name : plan.integrand->transforms)
       append_piece(text, catalog.transform(name).code);
-    text += params_source(*plan.integrand, "scalar");
-    for (const SourceFile& part : plan.integrand->parts) append_piece(text, part);
-    append_piece(text, plan.integrand->code);
+    append_integrand(text, catalog, *plan.integrand, plan.cell.scene);
   }
   append_embedded(text, integrates ? "kernels/integrate.cl" : "kernels/inspect.cl");
   const std::string scene = plan.integrand == nullptr ? "points" : plan.integrand->name;
@@ -118,23 +144,29 @@ ProgramSource compose_preparation(const Family& family, const std::string& piece
 }
 
 ProgramSource counting_program(const Catalog& catalog, const Plan& plan) {
-  return compose(catalog, plan, ProgramKind::count_nonfinite);
+  Plan counting = plan;
+  counting.counters = true;
+  return compose(catalog, counting, ProgramKind::integrate);
 }
 
 ProgramSource inspect_program(const Catalog& catalog, const Plan& plan, bool with_integrand) {
   return compose(catalog, plan, with_integrand ? ProgramKind::inspect_scene : ProgramKind::inspect);
 }
 
-ProgramSource exact_program(const Integrand& integrand) {
+ProgramSource exact_program(const Integrand& integrand, const Scene& scene) {
   std::string text = "#define KOKSMA_EXACT 1\n#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n";
   using Kind = ExactSource::Kind;
   if (integrand.mean.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN 1\n";
   if (integrand.variance.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIANCE 1\n";
   if (integrand.mean_abs.kind == Kind::formula) text += "#define KOKSMA_EXACT_MEAN_ABS 1\n";
   if (integrand.variation.kind == Kind::formula) text += "#define KOKSMA_EXACT_VARIATION 1\n";
+  if (integrand.discrete.kind == Kind::formula) text += "#define KOKSMA_EXACT_DISCRETE 1\n";
+  if (integrand.bound.kind == Kind::formula) text += "#define KOKSMA_EXACT_BOUND 1\n";
+  if (integrand.stiffness.kind == Kind::formula) text += "#define KOKSMA_EXACT_STIFFNESS 1\n";
   if (integrand.dimension_order) text += "#define KOKSMA_EXACT_ORDER 1\n";
   if (!integrand.coefficients.empty())
     text += fmt::format("#define KOKSMA_EXACT_SETUP {}\n", integrand.coefficients.size());
+  text += choices_source(integrand, scene);
   text += params_source(integrand, "double");
   for (const SourceFile& part : integrand.parts) append_piece(text, part);
   append_piece(text, integrand.code);

@@ -5,7 +5,15 @@
 
 namespace koksma {
 
-enum class ProgramKind { integrate, count_nonfinite, inspect, inspect_scene };
+enum class ProgramKind { integrate, inspect, inspect_scene };
+
+// The integrand with everything that belongs to it: what its scene chose, parameters, solver,
+// parts, its own code.
+void append_integrand(std::string& text, const Catalog& catalog, const Integrand& f,
+                      const Scene& scene);
+
+// `#define KOKSMA_<CHOICE>_<VALUE> 1` for each choice of the scene.
+std::string choices_source(const Integrand& f, const Scene& scene);
 
 // struct params of this number type and its loader, from the entry's parameters.
 std::string params_source(const Integrand& f, const char* type);

@@ -36,9 +36,9 @@ struct LaunchShape {
 // What `koksma stability` asks of a plan and no other verb does.
 struct PlanOptions {
   std::optional<LaunchShape> shape;  // empty: the device's
-  bool relaxed_math = false;         // -cl-fast-relaxed-math: to see what it breaks, never to report
-  bool counters = false;             // exceptional samples, hits and sums of |f| and f^2 are counted
-  bool coarse_coordinates = false;   // fp64 evaluates at the 23-bit coordinates of fp32
+  bool relaxed_math = false;        // -cl-fast-relaxed-math: to see what it breaks, never to report
+  bool counters = false;            // exceptional samples, hits and sums of |f| and f^2 are counted
+  bool coarse_coordinates = false;  // fp64 evaluates at the 23-bit coordinates of fp32
 };
 
 // A program in source form.
@@ -69,6 +69,7 @@ struct Plan {
   std::uint32_t coordinate_bits = 52;  // 23 also where coarse_coordinates
   LaunchShape shape;
   bool relaxed_math = false, counters = false, coarse_coordinates = false;  // as in PlanOptions
+  bool device_fp64 = true;  // for what is summed in the widest precision, whatever the cell's
   ProgramSource program;
   PointRequest request;
   std::optional<PlannedPreparation> preparation;  // to run before the point table is built
@@ -97,15 +98,15 @@ struct Plan {
 Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& device,
                const std::string& directions_file = "", const PlanOptions& options = {});
 
-// The plan's program with non-finite samples counted: built only when a partial sum came out
-// non-finite.
+// The plan's program with counters: the plan's own where it has them, else built only when a
+// partial sum came out non-finite.
 ProgramSource counting_program(const Catalog& catalog, const Plan& plan);
 
 // Dumps points; with an integrand (draw counting) when the plan's scene is given.
 ProgramSource inspect_program(const Catalog& catalog, const Plan& plan, bool with_integrand);
 
-// Exact values and coefficient set-up of an integrand, for a CPU device with fp64.
-ProgramSource exact_program(const Integrand& integrand);
+// Exact values and coefficient set-up of a scene's integrand, for a CPU device with fp64.
+ProgramSource exact_program(const Integrand& integrand, const Scene& scene);
 
 // kernels/quality/<piece>.cl behind the prelude, for points of any dimension; `shape` gives the
 // lanes per work-item and the local size.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "report/text_table.hpp"
+
 namespace koksma {
 namespace {
 
@@ -59,14 +61,6 @@ std::string marks(const Json& cell, const Json& row) {
   return text;
 }
 
-// std::format pads by bytes; the table has '±', which is two.
-std::string padded(const std::string& text, std::size_t width) {
-  const auto wide = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-  }));
-  return text + std::string(wide < width ? width - wide : 0, ' ');
-}
-
 std::vector<std::string> cell_columns(const Json& cell) {
   std::vector<std::string> columns{
       cell["scene"]["text"], cell["sampler"], cell["estimator"],
@@ -115,19 +109,7 @@ std::string results_table(const Json& results) {
                                                "median|e|", "rate", "theory", "ms", "Gcoord/s",
                                                ""}};
   for (const Json& cell : results["cells"]) lines.push_back(cell_columns(cell));
-  std::vector<std::size_t> widths(lines[0].size(), 0);
-  for (const auto& line : lines) {
-    // The last column of a line runs on.
-    for (std::size_t c = 0; c + 1 < line.size(); ++c)
-      widths[c] = std::max(widths[c], line[c].size());
-  }
-  std::string text;
-  for (const auto& line : lines) {
-    std::string out;
-    for (std::size_t c = 0; c < line.size(); ++c)
-      out += c + 1 < line.size() ? padded(line[c], widths[c] + 2) : line[c];
-    text += out.substr(0, out.find_last_not_of(' ') + 1) + "\n";
-  }
+  const std::string text = text_table(lines);
   for (const Json& cell : results["cells"])
     if (cell["reference"].is_object()) return text + "\n" + kLegend + kOwnEstimateLegend;
   return text + "\n" + kLegend;

@@ -19,7 +19,8 @@ std::string_view precision_name(Precision precision);  // "fp32", "fp64"
 struct Scene {
   std::string integrand;
   std::uint32_t dim = 1;
-  std::vector<double> parameters;  // in the order of the integrand's entry
+  std::vector<double> parameters;    // in the order of the integrand's entry
+  std::vector<std::string> choices;  // values, in the order of the entry
   std::string text;  // canonical spelling, NAME:d=D,key=value for what differs from the default
 };
 
@@ -50,8 +51,13 @@ struct StudyFlags {
   bool own_directions = false;  // --directions: the file sets the limit on d
 };
 
-// "NAME" or "NAME:key=value,…"; values are numbers or fractions a/b; the key d is the dimension.
+// "NAME" or "NAME:key=value,…"; values are numbers, fractions a/b, or one of a choice's; the key d is the
+// dimension.
 Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_view where);
+
+// The scene of an entry's check or case: `values` holds the parameters and choices that differ from
+// their defaults. Nothing is checked.
+Scene scene_of(const Integrand& integrand, std::uint32_t dim, const Json& values);
 
 // "2^8..2^20" (every power of two between), "1000", "2^10", or a comma-separated list of these;
 // ascending.
@@ -65,5 +71,9 @@ void check_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t n,
 // Reads a study: `path` empty means the default study. InputError names the file and the JSON
 // pointer, or the flag.
 Study read_study(const Catalog& catalog, const std::string& path, const StudyFlags& flags);
+
+// The same of JSON that is there already; `file` is what errors name.
+Study study_from(const Catalog& catalog, const Json& given, const std::string& file,
+                 const StudyFlags& flags = {});
 
 }  // namespace koksma
