@@ -15,6 +15,7 @@
 #include "points/matrices.hpp"
 #include "report/results.hpp"
 #include "report/table.hpp"
+#include "stability/eft.hpp"
 
 namespace koksma {
 namespace {
@@ -42,6 +43,7 @@ class Run {
         study_(study),
         device_(device),
         journal_(journal),
+        self_test_(catalog, device),
         progress_(stderr, study.cells.size(), options.quiet) {
     for (const Cell& cell : study.cells) rows_ += cell.n.size();
   }
@@ -120,6 +122,7 @@ class Run {
       if (catalog_.integrand(cell.scene.integrand, "scene").users_own)
         check_user_integrand(catalog_, device_, exact_device, cell);
       Plan plan = make_plan(catalog_, cell, device_.facts(), options_.directions);
+      self_test_.require(plan);
       slot.prepared =
           std::make_unique<PreparedCell>(catalog_, device_, exact_device, std::move(plan));
     } catch (const UnsupportedError& error) {
@@ -171,6 +174,7 @@ class Run {
   const Study& study_;
   Device& device_;
   Journal& journal_;
+  EftSelfTest self_test_;
   Progress progress_;
   std::vector<Slot> slots_;
   std::map<std::string, std::vector<std::size_t>> unknown_;  // by scene: cells
