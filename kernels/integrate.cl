@@ -4,7 +4,9 @@
 //   global size: (blocks of this launch * 16 / W, padded to the local size; replicates of this launch)
 //   out[((word * replicates + replicate) * blocks + block) * 16 + lane], the words of sum y first,
 //   then (KOKSMA_MOMENTS == 2) those of the squares of squared_term
-//   nonfinite (KOKSMA_COUNT_NONFINITE): [(replicate * blocks + block) * 16 / W + group], samples NaN or +-Inf
+// KOKSMA_COUNTERS: the samples are counted too (counters.cl); the sums stay the same bits.
+//   counts[((counter * replicates + replicate) * blocks + block) * 16 / W + group]
+//   sizes[((word * replicates + replicate) * blocks + block) * 16 + lane], sum |f scale|, then sum (f scale)^2
 #if KOKSMA_LANES_PER_ITEM == 1
 static inline mask lanes_below(uint lane, uint count) { return lane < count; }
 #else
@@ -40,8 +42,8 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
     __global const word *restrict table, __global const scalar *restrict values, coefficients c,
     ulong first_block, ulong blocks, ulong n, ulong seed, uint log2_block, uint first_replicate,
     sum_scalar centre, __global sum_scalar *restrict out
-#if KOKSMA_COUNT_NONFINITE
-    , __global ulong *restrict nonfinite
+#if KOKSMA_COUNTERS
+    , scalar blow_up, wide_scalar scale, __global ulong *restrict counts, __global wide_scalar *restrict sizes
 #endif
 ) {
   const uint groups = KOKSMA_LANES / KOKSMA_LANES_PER_ITEM;
@@ -64,8 +66,11 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
   sum squares;
   sum_init(&squares);
 #endif
-#if KOKSMA_COUNT_NONFINITE
-  ulong faults = 0;
+#if KOKSMA_COUNTERS
+  counters k;
+  counters_init(&k);
+  const mask every = lanes_below(0, KOKSMA_LANES);
+  const word limit = KOKSMA_PASTE(as_, KOKSMA_WORD)(blow_up);
 #endif
   // The last sample leaves the loop before it is added: only there can lanes lie beyond n.
   real y;
@@ -79,8 +84,8 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
     v = squared_term(v, centre);
     sum_add(&squares, v * v);
 #endif
-#if KOKSMA_COUNT_NONFINITE
-    faults += count_lanes(nonfinite_lanes(y));
+#if KOKSMA_COUNTERS
+    count_samples(&k, y, &p, every, limit, scale);
 #endif
     points_step(&p);
   }
@@ -88,8 +93,8 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
   const mask valid = lanes_below(lane, last);
   y = select_real(valid, y, R(0.0));
   sum_add(&s, sum_convert(y));
-#if KOKSMA_COUNT_NONFINITE
-  faults += count_lanes(nonfinite_lanes(y));
+#if KOKSMA_COUNTERS
+  count_samples(&k, y, &p, valid, limit, scale);
 #endif
 
   const ulong stride = blocks * KOKSMA_LANES * get_global_size(1);
@@ -102,7 +107,9 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
   sum_add(&squares, v * v);
   sum_store(&squares, out + KOKSMA_SUM_WORDS * stride, stride);
 #endif
-#if KOKSMA_COUNT_NONFINITE
-  nonfinite[(replicate * blocks + block) * groups + lane / KOKSMA_LANES_PER_ITEM] = faults;
+#if KOKSMA_COUNTERS
+  counts += (replicate * blocks + block) * groups + lane / KOKSMA_LANES_PER_ITEM;
+  sizes += (replicate * blocks + block) * KOKSMA_LANES + lane;
+  counters_store(&k, (ulong)steps * KOKSMA_LANES_PER_ITEM, counts, blocks * groups * get_global_size(1), sizes, stride);
 #endif
 }

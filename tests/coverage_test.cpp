@@ -27,7 +27,7 @@ Coverage coverage(const std::string& scene, const std::string& sampler,
   Integrator integrator(test::device(), plan, exact.coefficients);
   std::vector<ExactSum> sums(plan.launched_replicates()), squares(plan.launched_replicates());
   integrator.run(n, *exact.mean, [&](std::uint32_t word, std::uint32_t r, auto partials) {
-    (word < plan.sum->words ? sums : squares)[r].add(partials);
+    (word < plan.sum_words() ? sums : squares)[r].add(partials);
   });
   std::vector<double> estimates, variances;
   for (std::size_t r = 0; r < sums.size(); ++r) {

@@ -156,12 +156,43 @@ struct Transform {
   SourceFile code;
 };
 
+// factor n^power_of_n u^power_of_u: part of the relative error of a sum of n terms at unit roundoff
+// u.
+struct RoundingTerm {
+  double factor = 0, power_of_n = 0, power_of_u = 0;
+};
+
+// The weights of stored words that are digits of a long accumulator: word k counts 2^(first + k
+// step).
+struct DigitWeights {
+  int first = 0, step = 0;
+};
+
+// Terms, in this order, whose sum an intact build returns.
+struct SumKnownAnswer {
+  std::vector<double> terms;
+  double sum = 0;
+};
+
 struct SumAlgorithm {
   std::string name, title, citation;
-  unsigned words = 1;       // stored words whose exact sum is the value
-  bool needs_fp64 = false;  // stores doubles; else the cell's precision
-  int preference = 0;       // the default is the highest the device can run
+  unsigned words_fp32 = 1, words_fp64 = 1;  // stored words whose exact sum is the value
+  std::optional<DigitWeights> digits_fp32, digits_fp64;  // empty: every word counts as it is
+  bool needs_fp64 = false;   // stores doubles; else the cell's precision
+  bool compensated = false;  // rests on error-free transformations, which some build options break
+  bool order_free = false;   // any order and grouping of the terms gives the same value
+  std::vector<RoundingTerm> bound, estimate;  // of the error relative to the sum of |terms|
+  double quantum = 0;                         // terms are rounded to multiples of it; 0: they are not
+  std::vector<SumKnownAnswer> self_test;
+  int preference = 0;  // the default is the highest the device can run
   SourceFile code;
+
+  unsigned words(bool fp64) const { return fp64 ? words_fp64 : words_fp32; }
+  // The stored word k counts 2^word_exponent times its value.
+  int word_exponent(bool fp64, unsigned k) const {
+    const auto& digits = fp64 ? digits_fp64 : digits_fp32;
+    return digits ? digits->first + static_cast<int>(k) * digits->step : 0;
+  }
 };
 
 struct Estimator {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "error/error.hpp"
@@ -143,13 +144,42 @@ Sampler read_sampler(const Json& entry, const std::string& family) {
   return s;
 }
 
+namespace {
+
+std::vector<RoundingTerm> read_rounding(const Json& terms) {
+  std::vector<RoundingTerm> result;
+  for (const Json& term : terms)
+    result.push_back({term.at("factor"), term.value("n", 0.0), term.value("u", 0.0)});
+  return result;
+}
+
+std::optional<DigitWeights> read_digits(const Json& entry, const char* precision) {
+  const auto found = entry.find("digits");
+  if (found == entry.end()) return std::nullopt;
+  return DigitWeights{found->at(precision).at("first"), found->at(precision).at("step")};
+}
+
+}  // namespace
+
 SumAlgorithm read_sum(const Json& entry, SourceFile code) {
   SumAlgorithm s;
   s.name = entry["name"];
   s.title = entry["title"];
   s.citation = entry["citation"];
-  s.words = entry["words"];
+  const Json& words = entry["words"];
+  s.words_fp32 = words.is_object() ? words["fp32"] : words;
+  s.words_fp64 = words.is_object() ? words["fp64"] : words;
+  s.digits_fp32 = read_digits(entry, "fp32");
+  s.digits_fp64 = read_digits(entry, "fp64");
   s.needs_fp64 = entry["word_type"] == "double";
+  s.compensated = entry["compensated"];
+  s.order_free = entry["order_free"];
+  s.bound = read_rounding(entry["error"]["bound"]);
+  s.estimate = read_rounding(entry["error"]["estimate"]);
+  if (const auto found = entry["error"].find("quantum_log2"); found != entry["error"].end())
+    s.quantum = std::ldexp(1.0, found->get<int>());
+  for (const Json& answer : entry.value("self_test", Json::array()))
+    s.self_test.push_back({answer["terms"].get<std::vector<double>>(), answer["sum"]});
   s.preference = entry["preference"];
   s.code = std::move(code);
   return s;

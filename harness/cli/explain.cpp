@@ -41,8 +41,8 @@ void print_plan(const Plan& plan, std::size_t table_bytes, const DeviceFacts& de
       "precision   {}, coordinates of {} bits in {}\nsum         {}, {} word{} per partial sum, "
       "moments: {}\n",
       precision_name(plan.precision), plan.coordinate_bits,
-      plan.sampler->centred ? "(0,1), centred" : "[0,1), exact", plan.sum->name, plan.sum->words,
-      plan.sum->words == 1 ? "" : "s", plan.estimator->moments);
+      plan.sampler->centred ? "(0,1), centred" : "[0,1), exact", plan.sum->name, plan.sum_words(),
+      plan.sum_words() == 1 ? "" : "s", plan.estimator->moments);
   fmt::print(
       "device      {}\nkernel      {} lanes per work-item, local size {}, blocks of 2^{} samples "
       "at N = {}\n",

@@ -24,5 +24,6 @@ void add_explain(CLI::App& app, Action& action);
 void add_points(CLI::App& app, Action& action);
 void add_study(CLI::App& app, Action& action);
 void add_quality(CLI::App& app, Action& action, const std::string& command_line);
+void add_stability(CLI::App& app, Action& action, const std::string& command_line);
 
 }  // namespace koksma

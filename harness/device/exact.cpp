@@ -117,6 +117,11 @@ const Json* matching_check(const Integrand& integrand, const Scene& scene) {
   return nullptr;
 }
 
+double blow_up_limit(const ExactValues& exact) {
+  const double huge = exact.mean_abs && *exact.mean_abs > 0 ? 1e30 * *exact.mean_abs : INFINITY;
+  return exact.bound ? std::min(10 * *exact.bound, huge) : huge;
+}
+
 ExactValues compute_exact(Device& device, const Integrand& integrand, const Scene& scene) {
   ExactValues result;
   std::vector<double> out(9, std::nan(""));

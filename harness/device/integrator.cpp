@@ -1,8 +1,11 @@
 #include "device/integrator.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
 
 #include "device/prepare.hpp"
@@ -15,6 +18,10 @@ constexpr std::uint32_t kLanes = 16;
 // for any device.
 constexpr std::uint64_t kBlocksPerLaunch = std::uint64_t{1} << 13;
 
+// ulong words of a work-item that counts: the counters in the order of counters_store
+// (kernels/counters.cl), then the bits of the largest |f|.
+constexpr std::size_t kCounterWords = 9;
+
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
@@ -26,6 +33,14 @@ void set_real(cl::Kernel& kernel, cl_uint index, double value, bool fp64) {
     kernel.setArg(index, cl_double{value});
   else
     kernel.setArg(index, static_cast<cl_float>(value));
+}
+
+// Numbers that are denormal once the kernel's precision holds them.
+std::uint64_t count_denormal(const std::vector<double>& values, bool fp64) {
+  return static_cast<std::uint64_t>(std::count_if(values.begin(), values.end(), [&](double value) {
+    return (fp64 ? std::fpclassify(value) : std::fpclassify(static_cast<float>(value))) ==
+           FP_SUBNORMAL;
+  }));
 }
 
 std::uint64_t rounded_up(std::uint64_t value, std::uint64_t unit) {
@@ -52,6 +67,9 @@ Integrator::Integrator(Device& device, const Plan& plan, const std::vector<doubl
   values_ = device.upload_reals(plan.cell.scene.parameters, plan.fp64());
   coefficients_ = device.upload_reals(coefficients, plan.fp64());
   coefficient_bytes_ = coefficients.size() * (plan.fp64() ? 8 : 4);
+  denorm_in_ = count_denormal(plan.cell.scene.parameters, plan.fp64()) +
+               count_denormal(coefficients, plan.fp64());
+  count_against(INFINITY, 1);
   setup_s_ = seconds_since(start);
 }
 
@@ -94,7 +112,15 @@ double Integrator::for_each_launch(std::uint64_t n, std::uint32_t log2_block,
 double Integrator::run(std::uint64_t n, double y0, const PartialSums& take) {
   const std::uint32_t b = log2_block(n);
   const std::uint64_t blocks = rounded_up(n, std::uint64_t{1} << b) >> b;
-  return run_blocks(n, b, 0, blocks, plan_.launched_replicates(), y0, take);
+  if (!plan_.counters) return run_blocks(n, b, 0, blocks, plan_.launched_replicates(), y0, take);
+  begin_counters(n);
+  const double seconds = for_each_launch(n, b, 0, blocks, plan_.launched_replicates(), y0, kernel_,
+                                         [&](const Launch& launched) {
+                                           read_partials(launched, take);
+                                           read_counters(launched);
+                                         });
+  finish_counters();
+  return seconds;
 }
 
 double Integrator::run_blocks(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block,
@@ -123,6 +149,7 @@ double Integrator::launch(cl::Kernel& kernel, const Launch& l) {
     kernel.setArg(arg++, cl_uint{l.first_replicate});
     set_real(kernel, arg++, l.y0, plan_.stores_doubles());
     kernel.setArg(arg++, out_);
+    if (counts(kernel)) set_counter_arguments(kernel, arg, l);
     const std::uint64_t items = l.blocks * (kLanes / plan_.shape.lanes_per_item);
     cl::Event event;
     device_.queue().enqueueNDRangeKernel(
@@ -133,26 +160,30 @@ double Integrator::launch(cl::Kernel& kernel, const Launch& l) {
   });
 }
 
+void Integrator::read_reals(const cl::Buffer& buffer, std::size_t count, bool fp64) {
+  doubles_.resize(count);
+  if (fp64) {
+    checked([&] {
+      return device_.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(double),
+                                               doubles_.data());
+    });
+    return;
+  }
+  raw_.resize(count * sizeof(float));
+  checked([&] {
+    return device_.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, raw_.size(), raw_.data());
+  });
+  for (std::size_t i = 0; i < count; ++i) {
+    float narrow = 0;
+    std::memcpy(&narrow, raw_.data() + i * sizeof(float), sizeof(float));
+    doubles_[i] = narrow;
+  }
+}
+
 void Integrator::read_partials(const Launch& l, const PartialSums& take) {
   const std::size_t per_replicate = l.blocks * kLanes;
   const std::size_t count = per_replicate * l.replicates * plan_.words();
-  doubles_.resize(count);
-  if (plan_.stores_doubles()) {
-    checked([&] {
-      return device_.queue().enqueueReadBuffer(out_, CL_TRUE, 0, count * sizeof(double),
-                                               doubles_.data());
-    });
-  } else {
-    raw_.resize(count * sizeof(float));
-    checked([&] {
-      return device_.queue().enqueueReadBuffer(out_, CL_TRUE, 0, raw_.size(), raw_.data());
-    });
-    for (std::size_t i = 0; i < count; ++i) {
-      float narrow = 0;
-      std::memcpy(&narrow, raw_.data() + i * sizeof(float), sizeof(float));
-      doubles_[i] = narrow;
-    }
-  }
+  read_reals(out_, count, plan_.stores_doubles());
   std::size_t offset = 0;
   for (std::uint32_t word = 0; word < plan_.words(); ++word)
     for (std::uint32_t r = 0; r < l.replicates; ++r, offset += per_replicate)
@@ -168,42 +199,115 @@ std::vector<double> Integrator::first_values(std::uint64_t count) {
       if (size <= count) n = std::max(n, size);
   const std::uint64_t blocks = std::min(count, rounded_up(n, kLanes)) / kLanes;
   std::vector<double> values(blocks * kLanes, 0.0);
-  std::vector<std::size_t> filled(plan_.sum->words, 0);
+  std::vector<std::size_t> filled(plan_.sum_words(), 0);
   run_blocks(n, 4, 0, blocks, 1, 0.0,
              [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
-               if (word >= plan_.sum->words) return;  // squares
-               for (const double partial : partials) values[filled[word]++] += partial;
+               if (word >= plan_.sum_words()) return;  // squares
+               const int exponent = plan_.word_exponent(word);
+               for (const double partial : partials)
+                 values[filled[word]++] += std::ldexp(partial, exponent);
              });
   values.resize(std::min<std::uint64_t>(values.size(), n));
   return values;
 }
 
-std::uint64_t Integrator::count_nonfinite(const Catalog& catalog, std::uint64_t n) {
-  if (counting_kernel_() == nullptr) {
+const Counters& Integrator::count(const Catalog& catalog, std::uint64_t n) {
+  if (!plan_.counters && counting_kernel_() == nullptr) {
     const BuiltProgram built = device_.build(counting_program(catalog, plan_));
     counting_kernel_ = checked([&] { return cl::Kernel(built.program, "integrate"); });
   }
   const std::uint32_t b = log2_block(n);
-  const std::uint64_t blocks = rounded_up(n, std::uint64_t{1} << b) >> b;
-  const std::uint64_t groups = kLanes / plan_.shape.lanes_per_item;
-  const std::uint64_t most = plan_.shape.items_per_launch.value_or(kBlocksPerLaunch);
-  const std::uint64_t items = std::min<std::uint64_t>(blocks * plan_.launched_replicates(),
-                                                      std::max<std::uint64_t>(most, 1)) *
-                              groups;
-  counts_ = device_.allocate(items * sizeof(std::uint64_t));
-  checked([&] { return counting_kernel_.setArg(11, counts_); });
-  std::uint64_t total = 0;
-  std::vector<std::uint64_t> counts;
-  for_each_launch(
-      n, b, 0, blocks, plan_.launched_replicates(), 0.0, counting_kernel_, [&](const Launch& l) {
-        counts.resize(l.blocks * l.replicates * groups);
-        checked([&] {
-          return device_.queue().enqueueReadBuffer(
-              counts_, CL_TRUE, 0, counts.size() * sizeof(std::uint64_t), counts.data());
-        });
-        total = std::accumulate(counts.begin(), counts.end(), total);
-      });
-  return total;
+  begin_counters(n);
+  for_each_launch(n, b, 0, rounded_up(n, std::uint64_t{1} << b) >> b, plan_.launched_replicates(),
+                  0.0, plan_.counters ? kernel_ : counting_kernel_,
+                  [&](const Launch& launched) { read_counters(launched); });
+  finish_counters();
+  return counters_;
+}
+
+bool Integrator::counts(const cl::Kernel& kernel) const {
+  return plan_.counters || &kernel == &counting_kernel_;
+}
+
+void Integrator::count_against(double blow_up, double typical) {
+  const double most =
+      plan_.fp64() ? std::numeric_limits<double>::max() : double{std::numeric_limits<float>::max()};
+  const double least =
+      plan_.fp64() ? std::numeric_limits<double>::min() : double{std::numeric_limits<float>::min()};
+  blow_up_ = std::clamp(blow_up, least, most);
+  // The kernel multiplies by 1 / unit, which must be a normal number too.
+  const int range = plan_.device_fp64 ? 1022 : 126;
+  counters_.unit = std::ldexp(1.0, std::clamp(std::ilogb(typical), -range, range));
+}
+
+void Integrator::set_counter_arguments(cl::Kernel& kernel, cl_uint arg, const Launch& l) {
+  const std::size_t items =
+      std::size_t{l.blocks} * (kLanes / plan_.shape.lanes_per_item) * l.replicates;
+  if (items > counted_items_) {
+    counts_ = device_.allocate(items * kCounterWords * sizeof(std::uint64_t));
+    sizes_ = device_.allocate(items * plan_.shape.lanes_per_item * 2 * sizeof(double));
+    counted_items_ = items;
+  }
+  set_real(kernel, arg++, blow_up_, plan_.fp64());
+  set_real(kernel, arg++, 1 / counters_.unit, plan_.device_fp64);
+  kernel.setArg(arg++, counts_);
+  kernel.setArg(arg++, sizes_);
+}
+
+void Integrator::begin_counters(std::uint64_t n) {
+  const double unit = counters_.unit;
+  counters_ = {};
+  counters_.unit = unit;
+  counters_.samples = n * plan_.launched_replicates();
+  counters_.denorm_in = denorm_in_;
+  sums_abs_.assign(plan_.launched_replicates(), 0.0);
+  sums_squares_.assign(plan_.launched_replicates(), 0.0);
+}
+
+void Integrator::read_counters(const Launch& l) {
+  const std::size_t items = l.blocks * (kLanes / plan_.shape.lanes_per_item) * l.replicates;
+  std::vector<std::uint64_t> words(items * kCounterWords);
+  checked([&] {
+    return device_.queue().enqueueReadBuffer(counts_, CL_TRUE, 0, words.size() * sizeof words[0],
+                                             words.data());
+  });
+  const auto word = [&](std::size_t k) { return std::span(words).subspan(k * items, items); };
+  std::size_t k = 0;
+  for (std::uint64_t* total :
+       {&counters_.nan, &counters_.plus_inf, &counters_.minus_inf, &counters_.denorm_out,
+        &counters_.coord_le0, &counters_.coord_ge1, &counters_.hits, &counters_.blow_ups})
+    for (const std::uint64_t count : word(k++)) *total += count;
+  for (const std::uint64_t pattern : word(k))
+    counters_.max_abs =
+        std::max(counters_.max_abs,
+                 plan_.fp64() ? std::bit_cast<double>(pattern)
+                              : double{std::bit_cast<float>(static_cast<std::uint32_t>(pattern))});
+  // Blocks come in order within a replicate whatever the launch split, and so are added.
+  const std::size_t per_replicate = l.blocks * kLanes;
+  read_reals(sizes_, per_replicate * l.replicates * 2, plan_.device_fp64);
+  auto size = doubles_.cbegin();
+  for (std::vector<double>* sums : {&sums_abs_, &sums_squares_})
+    for (std::uint32_t r = 0; r < l.replicates; ++r)
+      for (std::size_t i = 0; i < per_replicate; ++i) (*sums)[l.first_replicate + r] += *size++;
+}
+
+void Integrator::finish_counters() {
+  counters_.sum_abs = std::accumulate(sums_abs_.begin(), sums_abs_.end(), 0.0);
+  counters_.sum_squares = std::accumulate(sums_squares_.begin(), sums_squares_.end(), 0.0);
+}
+
+std::optional<double> Counters::n_eff() const {
+  const double squared = sum_abs * sum_abs;
+  if (nonfinite() > 0 || !(squared > 0 && sum_squares > 0) || !std::isfinite(squared) ||
+      !std::isfinite(sum_squares))
+    return std::nullopt;
+  return squared / sum_squares;
+}
+
+std::optional<double> Counters::kappa(double sum) const {
+  const double quotient = sum_abs / std::fabs(sum / unit);
+  if (nonfinite() > 0 || !std::isfinite(quotient)) return std::nullopt;
+  return quotient;
 }
 
 }  // namespace koksma

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,9 +12,36 @@
 namespace koksma {
 
 // Partial sums of one word of one replicate, in no promised grouping: their exact sum is what
-// counts.
+// counts, times 2^Plan::word_exponent(word).
 using PartialSums = std::function<void(std::uint32_t word, std::uint32_t replicate,
                                        std::span<const double> partials)>;
+
+// What the samples of all replicates of a run were, told from their bits (5-numerics 2.5), and two
+// sums of their sizes. The counts do not depend on the launch shape, the sums not on the launch
+// split.
+struct Counters {
+  std::uint64_t samples = 0;
+  std::uint64_t nan = 0, plus_inf = 0, minus_inf = 0;
+  // Values f, and (once per cell) parameters and coefficients as the kernel holds them, that are
+  // denormal. Coordinates never are: they are 0 or at least half a unit of the last bit kept,
+  // 2^-53.
+  std::uint64_t denorm_out = 0, denorm_in = 0;
+  // Samples with a coordinate <= 0, and with one >= 1 or NaN.
+  std::uint64_t coord_le0 = 0, coord_ge1 = 0;
+  std::uint64_t hits = 0;      // f is not 0
+  std::uint64_t blow_ups = 0;  // |f| is above the limit, infinities included
+  // Of the finite samples; the sums are of |f| / unit and (f / unit)^2, unit a power of two near
+  // E|f|, naively added per lane in fp64 where the device has it.
+  double max_abs = 0, sum_abs = 0, sum_squares = 0, unit = 1;
+
+  std::uint64_t nonfinite() const { return nan + plus_inf + minus_inf; }
+  // The effective number of samples (sum |f|)^2 / sum f^2, in [1, hits]. Empty where a sample is
+  // not finite, no sample is hit, or a square over- or underflows even in that unit.
+  std::optional<double> n_eff() const;
+  // The condition number sum |f| / |sum f| >= 1 of the sum. Empty where a sample is not finite or
+  // the quotient is.
+  std::optional<double> kappa(double sum) const;
+};
 
 class Integrator {
  public:
@@ -23,6 +51,11 @@ class Integrator {
   // With a point table of the caller's instead of the plan's.
   Integrator(Device& device, const Plan& plan, const std::vector<double>& coefficients,
              const std::vector<std::byte>& table);
+
+  // What samples are counted against: |f| above `blow_up` is a blow-up (clamped to the normal
+  // numbers of the cell's precision); `typical`: about E|f|, above 0, for the unit of the sums. To
+  // be called before samples are counted; at first nothing finite is a blow-up and the unit is 1.
+  void count_against(double blow_up, double typical);
 
   // Sums samples 0 … n-1 of every replicate of the plan; y0 is subtracted before squaring. Returns
   // the seconds that the kernels ran by the device's clock. Memory use does not depend on n.
@@ -38,9 +71,11 @@ class Integrator {
   std::vector<double> first_values(std::uint64_t count = 16);
   // Uploads the table of the set of n points, where sets of different n have different ones.
   void prepare(std::uint64_t n);
-  // Non-finite samples among the first n of all replicates; builds the counting kernel on first
-  // use.
-  std::uint64_t count_nonfinite(const Catalog& catalog, std::uint64_t n);
+  // Of the last run(), where the plan has counters.
+  const Counters& counters() const { return counters_; }
+  // Of the first n samples of all replicates, in a run of its own; builds the kernel that counts on
+  // first use.
+  const Counters& count(const Catalog& catalog, std::uint64_t n);
 
   double build_s() const { return build_s_; }
   double setup_s() const { return setup_s_; }
@@ -55,7 +90,14 @@ class Integrator {
     double y0;
   };
   double launch(cl::Kernel& kernel, const Launch& launch);
+  bool counts(const cl::Kernel& kernel) const;
+  void set_counter_arguments(cl::Kernel& kernel, cl_uint arg, const Launch& launch);
   void read_partials(const Launch& launch, const PartialSums& take);
+  // `count` reals of the buffer, into doubles_.
+  void read_reals(const cl::Buffer& buffer, std::size_t count, bool fp64);
+  void begin_counters(std::uint64_t n);
+  void read_counters(const Launch& launch);
+  void finish_counters();
   template <typename Body>
   double for_each_launch(std::uint64_t n, std::uint32_t log2_block, std::uint64_t first_block,
                          std::uint64_t end_block, std::uint32_t replicates, double y0,
@@ -64,13 +106,17 @@ class Integrator {
   Device& device_;
   const Plan& plan_;
   cl::Kernel kernel_, counting_kernel_;
-  cl::Buffer table_, values_, coefficients_, out_, counts_;
+  cl::Buffer table_, values_, coefficients_, out_, counts_, sizes_;
   std::uint64_t table_n_ = 0;  // of sets that are not extensible: the N that table_ is for
-  std::size_t out_bytes_ = 0;
+  std::size_t out_bytes_ = 0, counted_items_ = 0;
   std::vector<std::byte> raw_;
   std::vector<double> doubles_;
   double build_s_ = 0, setup_s_ = 0;
   std::size_t table_bytes_ = 0, coefficient_bytes_ = 0;
+  double blow_up_ = 0;
+  std::uint64_t denorm_in_ = 0;
+  Counters counters_;
+  std::vector<double> sums_abs_, sums_squares_;  // per replicate, of the run that is counted
 };
 
 }  // namespace koksma

@@ -35,7 +35,7 @@ std::size_t common_replicates(std::span<const ConvergenceRow> rows) {
 }
 
 bool unresolved(const ConvergenceRow& row) {
-  return row.n_eff && !(*row.n_eff >= kFewestEffective);
+  return !row.unresolved.empty() || (row.n_eff && !(*row.n_eff >= kFewestEffective));
 }
 
 std::string why_excluded(const ConvergenceRow& row, std::size_t replicates,
@@ -51,11 +51,13 @@ std::string why_excluded(const ConvergenceRow& row, std::size_t replicates,
   if (!(rmse > 0)) return "RMSE = 0";
   // Written so that a NaN excludes.
   if (!(rmse >= kFloorFactor * row.floor)) return "below the floor: RMSE < 3 F";
-  if (options.infinite_variance) return "";
+  if (options.infinite_variance)
+    return row.unresolved.empty() ? "" : fmt::format("{}{}", kUnresolved, row.unresolved);
   if (row.mean_abs && !(rmse <= *row.mean_abs / 2))
     return fmt::format("{}RMSE > E|f|/2", kUnresolved);
-  if (unresolved(row)) return fmt::format("{}n_eff < 30", kUnresolved);
-  return "";
+  if (row.n_eff && !(*row.n_eff >= kFewestEffective))
+    return fmt::format("{}n_eff < 30", kUnresolved);
+  return row.unresolved.empty() ? "" : fmt::format("{}{}", kUnresolved, row.unresolved);
 }
 
 std::vector<const ConvergenceRow*> by_samples(std::span<const ConvergenceRow> rows) {

@@ -29,6 +29,7 @@ struct ConvergenceRow {
   double floor = 0;  // estimated rms error level of rounding, grid and model; 0: none known
   std::optional<double> mean_abs;  // E|f|
   std::optional<double> n_eff;     // N (E|f|)² / E f²
+  std::string unresolved;          // why its errors mean nothing for another reason, else empty
 };
 
 struct FitOptions {

@@ -9,8 +9,6 @@ namespace koksma {
 
 namespace {
 
-__extension__ using Wide = unsigned __int128;
-
 constexpr int kMantissaBits = 53;
 
 }  // namespace
@@ -77,18 +75,41 @@ void ExactSum::add_product(double factor, std::uint64_t count) {
   const double fraction = std::frexp(std::fabs(factor), &exponent);
   const auto mantissa = static_cast<std::uint64_t>(std::ldexp(fraction, kMantissaBits));
   if (mantissa == 0) return;
-  Wide product = static_cast<Wide>(mantissa) * count;
-  const auto position = static_cast<std::size_t>(exponent - kMantissaBits - kLowestExponent);
+  add_shifted(static_cast<Wide>(mantissa) * count, exponent - kMantissaBits, factor < 0);
+}
 
+void ExactSum::add_scaled(double term, int exponent) {
+  if (!std::isfinite(term)) {
+    add_nonfinite(term);
+    return;
+  }
+  int own = 0;
+  const double fraction = std::frexp(std::fabs(term), &own);
+  auto mantissa = static_cast<std::uint64_t>(std::ldexp(fraction, kMantissaBits));
+  if (mantissa == 0) return;
+  // A digit's trailing zeros may reach below the guard bits.
+  const int zeros = std::countr_zero(mantissa);
+  mantissa >>= zeros;
+  add_shifted(mantissa, own - kMantissaBits + zeros + exponent, term < 0);
+}
+
+void ExactSum::add(std::span<const double> terms, int exponent) {
+  if (exponent == 0) return add(terms);
+  for (const double term : terms) add_scaled(term, exponent);
+}
+
+// Adds magnitude · 2^exponent.
+void ExactSum::add_shifted(Wide magnitude, int exponent, bool negative) {
+  const auto position = static_cast<std::size_t>(exponent - kLowestExponent);
   // The lowest digit takes what is left of its word, the others 32 bits each.
   std::size_t k = position / kDigitBits;
   std::size_t room = kDigitBits - position % kDigitBits;
   std::size_t shift = position % kDigitBits;
-  while (product != 0) {
-    const Wide part = product & ((Wide{1} << room) - 1);
+  while (magnitude != 0) {
+    const Wide part = magnitude & ((Wide{1} << room) - 1);
     const auto value = static_cast<std::int64_t>(static_cast<std::uint64_t>(part) << shift);
-    digits_[k++] += factor < 0 ? -value : value;
-    product >>= room;
+    digits_[k++] += negative ? -value : value;
+    magnitude >>= room;
     room = kDigitBits;
     shift = 0;
   }

@@ -45,6 +45,11 @@ class ExactSum {
     for (const double term : terms) add(term);
   }
 
+  // Adds term · 2^exponent exactly, also where that is not a double: a last bit of at least 2^-1138
+  // and a magnitude below 2^1220. Digits of long accumulators are such terms.
+  void add_scaled(double term, int exponent);
+  void add(std::span<const double> terms, int exponent);
+
   // Adds another sum exactly; non-finite counts add up.
   void add(const ExactSum& other);
 
@@ -85,6 +90,8 @@ class ExactSum {
   using Magnitude = std::array<std::uint32_t, kDigits>;
 
   void add_nonfinite(double term);
+  __extension__ using Wide = unsigned __int128;
+  void add_shifted(Wide magnitude, int exponent, bool negative);
   void propagate();
   static void propagate(Digits& digits);
   Magnitude magnitude(bool& negative) const;

@@ -37,18 +37,34 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   if (plan.sampler->rotated) define("KOKSMA_ROTATED", 1);
   define("KOKSMA_LOCAL_SIZE", plan.shape.local_size);
   for (const auto& [name, value] : plan.sampler->defines) define(name, value);
-  if (kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite) {
+  if (kind == ProgramKind::integrate) {
     define("KOKSMA_MOMENTS", plan.estimator->moments);
     if (plan.estimator->moments == 2)
       define("KOKSMA_SQUARES_OF", plan.estimator->second_moment == "values"       ? 0
                                   : plan.estimator->second_moment == "pair-means" ? 1
                                                                                   : 2);
-    define("KOKSMA_SUM_WORDS", plan.sum->words);
-    define("KOKSMA_COUNT_NONFINITE", kind == ProgramKind::count_nonfinite ? 1 : 0);
+    define("KOKSMA_SUM_WORDS", plan.sum_words());
+    if (plan.counters) define("KOKSMA_COUNTERS", 1);
+    if (plan.counters) define("KOKSMA_COUNTERS_FP64", plan.device_fp64 ? 1 : 0);
   } else {
     define("KOKSMA_WITH_INTEGRAND", kind == ProgramKind::inspect_scene ? 1 : 0);
   }
   return text;
+}
+
+// A sum piece and the kernel that adds with it, their names made those of place k.
+std::string renamed_sum(const SumAlgorithm& sum, std::size_t k, bool fp64) {
+  std::string before = fmt::format("#define KOKSMA_SUM_WORDS {}\n", sum.words(fp64));
+  std::string after = "#undef KOKSMA_SUM_WORDS\n";
+  for (const char* name : {"sum", "sum_scalar", "sum_value", "sum_init", "sum_convert", "sum_add",
+                           "sum_store", "add_up"}) {
+    before += fmt::format("#define {0} {0}_{1}\n", name, k);
+    after += fmt::format("#undef {}\n", name);
+  }
+  std::string text = std::move(before);
+  append_piece(text, sum.code);
+  append_embedded(text, "kernels/stability/add-up.cl");
+  return text + after;
 }
 
 }  // namespace
@@ -93,7 +109,7 @@ void append_integrand(std::string& text, const Catalog& catalog, const Integrand
 }
 
 ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind) {
-  const bool integrates = kind == ProgramKind::integrate || kind == ProgramKind::count_nonfinite;
+  const bool integrates = kind == ProgramKind::integrate;
   std::string text = defines_source(plan, kind);
   append_embedded(text, "kernels/prelude.cl");
   if (integrates) append_piece(text, plan.sum->code);
@@ -101,6 +117,7 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
   for (const SourceFile& part : family.parts) append_piece(text, part);
   append_piece(text, family.code);
   if (plan.sampler->rotated) append_embedded(text, "kernels/rotate.cl");
+  if (integrates && plan.counters) append_embedded(text, "kernels/counters.cl");
   if (kind != ProgramKind::inspect) {
     for (const std::string& name : plan.integrand->transforms)
       append_piece(text, catalog.transform(name).code);
@@ -127,7 +144,9 @@ ProgramSource compose_preparation(const Family& family, const std::string& piece
 }
 
 ProgramSource counting_program(const Catalog& catalog, const Plan& plan) {
-  return compose(catalog, plan, ProgramKind::count_nonfinite);
+  Plan counting = plan;
+  counting.counters = true;
+  return compose(catalog, counting, ProgramKind::integrate);
 }
 
 ProgramSource inspect_program(const Catalog& catalog, const Plan& plan, bool with_integrand) {
@@ -164,6 +183,21 @@ ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchS
   append_embedded(text, "kernels/prelude.cl");
   append_embedded(text, fmt::format("kernels/quality/{}.cl", piece).c_str());
   return {fmt::format("the quality kernels of {}.cl", piece), std::move(text), kOptions};
+}
+
+ProgramSource self_test_program(const std::string& piece, const std::vector<const SumAlgorithm*>& sums,
+                                Precision precision, std::uint32_t lanes_per_item,
+                                const std::string& options) {
+  const bool fp64 = precision == Precision::fp64;
+  std::string text = fmt::format(
+      "#define KOKSMA_LANES_PER_ITEM {}\n#define KOKSMA_FP64 {}\n#define KOKSMA_DIM 1\n"
+      "#define KOKSMA_CENTRED 0\n",
+      lanes_per_item, fp64 ? 1 : 0);
+  append_embedded(text, "kernels/prelude.cl");
+  for (std::size_t k = 0; k < sums.size(); ++k) text += renamed_sum(*sums[k], k, fp64);
+  append_embedded(text, fmt::format("kernels/stability/{}.cl", piece).c_str());
+  return {fmt::format("the self-test {}.cl", piece), std::move(text),
+          options.empty() ? std::string(kOptions) : fmt::format("{} {}", kOptions, options)};
 }
 
 }  // namespace koksma

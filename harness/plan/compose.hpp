@@ -5,7 +5,7 @@
 
 namespace koksma {
 
-enum class ProgramKind { integrate, count_nonfinite, inspect, inspect_scene };
+enum class ProgramKind { integrate, inspect, inspect_scene };
 
 // The integrand with everything that belongs to it: what its scene chose, parameters, solver,
 // parts, its own code.

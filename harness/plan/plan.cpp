@@ -71,6 +71,9 @@ void set_precision(Plan& plan, Precision precision, const DeviceFacts& device) {
                                        precision_name(precision), plan.sampler->name,
                                        offered.front()));
   plan.max_allocation = device.max_allocation;
+  plan.device_fp64 = device.fp64;
+  plan.fp_config32 = device.fp_config32;
+  plan.fp_config64 = device.fp_config64;
   plan.precision = precision;
   plan.coordinate_bits = plan.fp64() && !plan.coarse_coordinates ? 52 : 23;
 }
@@ -96,8 +99,10 @@ void note_what_is_left_out(Plan& plan) {
     note("second moment",
          fmt::format("estimator '{}' takes its error from {}", plan.estimator->name,
                      plan.estimator->replicated ? "the replicates" : "nothing"));
-  note("non-finite counting",
-       "a partial sum tells of a fault for free; only then a counting kernel is built");
+  if (!plan.counters)
+    note("counters of exceptional samples",
+         "a partial sum tells of a NaN or an infinity for free; only then a kernel that counts is "
+         "built");
   if (plan.integrand->transforms.empty())
     note("transforms", fmt::format("'{}' asks for none", plan.integrand->name));
   if (plan.integrand->coefficients.empty())

@@ -23,6 +23,8 @@ struct DeviceFacts {
   std::uint32_t compute_units = 1;
   std::uint64_t max_work_group_size = 1;
   std::uint64_t max_allocation = 0;  // bytes
+  // CL_DEVICE_SINGLE_FP_CONFIG and its double twin, names without CL_FP_, joined by "|".
+  std::string fp_config32, fp_config64;
 };
 
 // Choices that must not change results; tests vary them.
@@ -69,12 +71,14 @@ struct Plan {
   std::uint32_t coordinate_bits = 52;  // 23 also where coarse_coordinates
   LaunchShape shape;
   bool relaxed_math = false, counters = false, coarse_coordinates = false;  // as in PlanOptions
+  bool device_fp64 = true;  // for what is summed in the widest precision, whatever the cell's
   ProgramSource program;
   PointRequest request;
   std::optional<PlannedPreparation> preparation;  // to run before the point table is built
   std::vector<std::uint64_t>
       refused_n;  // sizes of the study beyond the resolution; cell.n keeps the others
   std::uint64_t max_allocation = 0;  // bytes, of the device
+  std::string fp_config32, fp_config64;  // as in DeviceFacts
   std::vector<LeftOut> left_out;
 
   bool fp64() const { return precision == Precision::fp64; }
@@ -83,8 +87,13 @@ struct Plan {
   std::uint32_t launched_replicates() const {
     return cell.replicates * estimator->replicates_per_estimate;
   }
-  // Words per partial sum, all moments.
-  std::uint32_t words() const { return sum->words * estimator->moments; }
+  // Words per partial sum, of one moment and of all.
+  std::uint32_t sum_words() const { return sum->words(fp64()); }
+  std::uint32_t words() const { return sum_words() * estimator->moments; }
+  // Stored word `word` of all moments counts 2^word_exponent times its value.
+  int word_exponent(std::uint32_t word) const {
+    return sum->word_exponent(fp64(), word % sum_words());
+  }
 };
 
 // UnsupportedError when the device lacks what the cell asks for (fp64), or the sampler the
@@ -92,8 +101,8 @@ struct Plan {
 Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& device,
                const std::string& directions_file = "", const PlanOptions& options = {});
 
-// The plan's program with non-finite samples counted: built only when a partial sum came out
-// non-finite.
+// The plan's program with counters: the plan's own where it has them, else built only when a
+// partial sum came out non-finite.
 ProgramSource counting_program(const Catalog& catalog, const Plan& plan);
 
 // Dumps points; with an integrand (draw counting) when the plan's scene is given.
@@ -105,6 +114,12 @@ ProgramSource exact_program(const Integrand& integrand, const Scene& scene);
 // kernels/quality/<piece>.cl behind the prelude, for points of any dimension; `shape` gives the
 // lanes per work-item and the local size.
 ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchShape& shape);
+
+// kernels/stability/<piece>.cl behind the prelude and these sums, each with the kernel add_up_<k> of
+// add-up.cl, k its place among them. `options` come behind those that every program has.
+ProgramSource self_test_program(const std::string& piece, const std::vector<const SumAlgorithm*>& sums,
+                                Precision precision, std::uint32_t lanes_per_item,
+                                const std::string& options);
 
 // The point table in the words of the plan's precision, as bytes ready to upload (at least one
 // word). Of sets that are not extensible it is that of the set of n points; 0: the plan's largest.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "report/text_table.hpp"
+
 namespace koksma {
 namespace {
 
@@ -39,6 +41,12 @@ std::string marks(const Json& cell, const Json& row) {
   if (stability["verdict"].is_string() && stability["verdict"] != "OK" &&
       stability["verdict"] != "OUTSIDE_GATE")
     add(stability["verdict"]);
+  for (const Json& mark : stability["marks"]) add(mark);
+  if (stability["verdict"] == "PLATEAU_NUMERIC" && stability["floors"]["dominant"].is_string())
+    add(fmt::format("floor: {}", stability["floors"]["dominant"].get<std::string>()));
+  if (stability["ode"].is_object() && stability["ode"]["relative_bias"].is_number())
+    add(fmt::format("integrator bias {:+.2g} %",
+                    100 * stability["ode"]["relative_bias"].get<double>()));
   if (stability["infinite_variance"] == true)
     add(cell["convergence"]["median_rate"].is_number() ? "infinite variance: rate of the median"
                                                        : "infinite variance");
@@ -57,14 +65,6 @@ std::string marks(const Json& cell, const Json& row) {
   if (verdict == "no-rate" && !cell["convergence"]["reason"].get<std::string>().empty())
     add("no rate: " + cell["convergence"]["reason"].get<std::string>());
   return text;
-}
-
-// std::format pads by bytes; the table has '±', which is two.
-std::string padded(const std::string& text, std::size_t width) {
-  const auto wide = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-  }));
-  return text + std::string(wide < width ? width - wide : 0, ' ');
 }
 
 std::vector<std::string> cell_columns(const Json& cell) {
@@ -98,9 +98,8 @@ constexpr const char* kLegend =
     "Gcoord/s: 1e9\n"
     "coordinates generated, evaluated and summed per second. heavy-tailed: believe the median, not "
     "the RMSE.\n"
-    "In capitals: the verdict on the cell, where it is not OK; `stability` in the results file "
-    "says "
-    "why.\n";
+    "In capitals: the verdict on the cell, where it is not OK, and its marks; `stability` in the "
+    "results file says why.\nfloor: what keeps the error from falling.\n";
 
 constexpr const char* kOwnEstimateLegend =
     "own-estimate: the integral is not known; errors are against the run's own best estimate, "
@@ -115,19 +114,7 @@ std::string results_table(const Json& results) {
                                                "median|e|", "rate", "theory", "ms", "Gcoord/s",
                                                ""}};
   for (const Json& cell : results["cells"]) lines.push_back(cell_columns(cell));
-  std::vector<std::size_t> widths(lines[0].size(), 0);
-  for (const auto& line : lines) {
-    // The last column of a line runs on.
-    for (std::size_t c = 0; c + 1 < line.size(); ++c)
-      widths[c] = std::max(widths[c], line[c].size());
-  }
-  std::string text;
-  for (const auto& line : lines) {
-    std::string out;
-    for (std::size_t c = 0; c < line.size(); ++c)
-      out += c + 1 < line.size() ? padded(line[c], widths[c] + 2) : line[c];
-    text += out.substr(0, out.find_last_not_of(' ') + 1) + "\n";
-  }
+  const std::string text = text_table(lines);
   for (const Json& cell : results["cells"])
     if (cell["reference"].is_object()) return text + "\n" + kLegend + kOwnEstimateLegend;
   return text + "\n" + kLegend;

@@ -208,7 +208,11 @@ Study read_study(const Catalog& catalog, const std::string& path, const StudyFla
   const std::string file = path.empty() ? std::string(kDefaultStudy) : path;
   const std::string text =
       path.empty() ? std::string(embedded_text(kDefaultStudy)) : read_text_file(path);
-  const Json given = parse_json(text, file);
+  return study_from(catalog, parse_json(text, file), file, flags);
+}
+
+Study study_from(const Catalog& catalog, const Json& given, const std::string& file,
+                 const StudyFlags& flags) {
   check_schema(given, "harness/study/study.schema.json", file);
 
   Study study;

@@ -72,4 +72,8 @@ void check_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t n,
 // pointer, or the flag.
 Study read_study(const Catalog& catalog, const std::string& path, const StudyFlags& flags);
 
+// The same of JSON that is there already; `file` is what errors name.
+Study study_from(const Catalog& catalog, const Json& given, const std::string& file,
+                 const StudyFlags& flags = {});
+
 }  // namespace koksma

@@ -1,0 +1,262 @@
+#include "stability/suite_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error/error.hpp"
+#include "estimate/measure.hpp"
+#include "journal/cell_json.hpp"
+#include "stability/device_checks.hpp"
+
+namespace koksma {
+namespace {
+
+// An error is near a floor below so many formula estimates of it, which may be a hundred times too
+// low or high; above, measuring it would change nothing.
+constexpr double kNearFloor = 1e4;
+constexpr double kWithin = 10;  // of estimated and seen floors
+
+bool has_verdict(const CellResult& result, std::initializer_list<std::string_view> verdicts) {
+  return std::find(verdicts.begin(), verdicts.end(), result.stability.verdict) != verdicts.end();
+}
+
+bool near_floor(const CellResult& result) {
+  if (has_verdict(result, {"NOT_INTEGRABLE", "UNSTABLE_INTEGRATOR", "DOMAIN_FAULT", "UNRESOLVED"}))
+    return false;
+  const auto& rmse = result.rows.back().errors.rmse;
+  return rmse && *rmse < kNearFloor * result.floor;
+}
+
+// Where the error stands: of the sampling, or what holds it.
+std::string dominating(const CellResult& result) {
+  if (has_verdict(result, {"NOT_INTEGRABLE"})) return "no mean";
+  if (has_verdict(result, {"UNSTABLE_INTEGRATOR"})) return "integrator";
+  if (has_verdict(result, {"DOMAIN_FAULT"})) return "domain";
+  const auto& rmse = result.rows.back().errors.rmse;
+  if (!rmse || *rmse == 0) return rmse ? "nothing: exact" : "sampling";
+  if (has_verdict(result, {"PLATEAU_STRUCTURAL"})) return "the points";
+  const std::string_view floor = result.floors.dominant();
+  const bool held = *rmse < kFloorFactor * result.floor || has_verdict(result, {"PLATEAU_NUMERIC"});
+  return held && !floor.empty() ? std::string(floor) : "sampling";
+}
+
+std::optional<double> relative_digits(const CellResult& result) {
+  const auto& rmse = result.rows.back().errors.rmse;
+  if (!rmse || !(*rmse > 0) || !result.exact.mean) return std::nullopt;
+  const double scale = *result.exact.mean != 0 ? std::fabs(*result.exact.mean)
+                                               : result.exact.mean_abs.value_or(1.0);
+  return -std::log10(*rmse / scale);
+}
+
+const Floor* largest_floor(const Floors& floors) {
+  const std::string_view name = floors.dominant();
+  if (name == "integrator") return &floors.integrator;
+  if (name == "coordinate") return &floors.coordinate;
+  if (name == "integrand") return &floors.integrand;
+  if (name == "summation") return &floors.summation;
+  return nullptr;
+}
+
+class CaseRunner {
+ public:
+  CaseRunner(const Catalog& catalog, Device& device, Device& exact_device, std::size_t rows,
+             const SuiteOptions& options)
+      : catalog_(catalog),
+        device_(device),
+        exact_device_(exact_device),
+        rows_(rows),
+        options_(options) {}
+
+  CaseOutcome run(const Cell& cell, const std::optional<Demand>& demand) {
+    CaseOutcome outcome;
+    outcome.demand = demand;
+    CellResult result;
+    try {
+      PlanOptions with_counters;
+      with_counters.counters = true;
+      PreparedCell prepared(
+          catalog_, device_, exact_device_,
+          make_plan(catalog_, cell, device_.facts(), "", with_counters));
+      result = prepared.run(rows_);
+      add_detail(prepared, result);
+      outcome.cell = cell_to_json(catalog_, result, &prepared.plan());
+      describe(result, outcome);
+      if (options_.fast_math) outcome.relaxed = against_relaxed(cell, result);
+    } catch (const UnsupportedError& error) {
+      refuse(cell, CellStatus::unsupported, error.what(), outcome);
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::exception& error) {
+      refuse(cell, CellStatus::failed, error.what(), outcome);
+    }
+    return outcome;
+  }
+
+ private:
+  void refuse(const Cell& cell, CellStatus status, const std::string& reason,
+              CaseOutcome& outcome) {
+    outcome.cell = cell_to_json(catalog_, refused_cell(cell, status, reason), nullptr);
+    if (outcome.demand) outcome.faults.push_back(reason);
+  }
+
+  void add_detail(PreparedCell& prepared, CellResult& result) {
+    const Cell& cell = prepared.plan().cell;
+    const std::uint64_t last = cell.n.back();
+    result.detail.index = check_indices(last, prepared.integrator().log2_block(last));
+    result.detail.reproducibility = block_lengths(prepared);
+    result.detail.eft_selftest = why_eft_broken(device_, false).empty();
+    if (near_floor(result)) measure_floors(prepared, result);
+    assess_cell(prepared.context(), std::nullopt, rows_, result);
+  }
+
+  // At the middle of the curve: what is seen at its end is then predicted, not repeated.
+  void measure_floors(PreparedCell& prepared, CellResult& result) {
+    Cell cell = prepared.plan().cell;
+    const std::uint64_t middle = cell.n[cell.n.size() / 2];
+    const GapMeasurement gap = measure_gap(catalog_, device_, exact_device_, cell, middle);
+    result.detail.floors = floors_from(gap, prepared.plan().precision, cell.n.back());
+    if (gap.reason.empty()) {
+      result.detail.precision_gap = PrecisionGap{};
+      result.detail.precision_gap->difference = gap.total.mean;
+    }
+    // A running sum's error grows with N, so it is measured at the end.
+    const auto sum = measure_summation(catalog_, device_, exact_device_, cell, cell.n.back());
+    if (sum) result.detail.floors.summation = sum->rms_at(cell.n.back());
+  }
+
+  // The same replicates summed in blocks of other lengths, by the same program.
+  Reproducibility block_lengths(PreparedCell& prepared) {
+    Reproducibility found;
+    const std::uint64_t n = prepared.plan().cell.n.front();
+    const std::uint32_t usual = prepared.integrator().log2_block(n);
+    std::vector<double> values;
+    for (const std::uint32_t log2_block : {usual, std::max(usual, 5U) - 1, std::max(usual, 6U) - 2}) {
+      ExactSum sum;
+      const std::uint64_t length = std::uint64_t{1} << log2_block;
+      prepared.integrator().run_blocks(
+          n, log2_block, 0, (n + length - 1) / length, 1, 0.0,
+          [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
+            if (word < prepared.plan().sum_words())
+              sum.add(partials, prepared.plan().word_exponent(word));
+          });
+      values.push_back(sum.rounded_quotient(n));
+      ++found.launch_shapes;
+    }
+    std::sort(values.begin(), values.end());
+    const double spread = values.back() - values.front();
+    const double unit = std::nextafter(std::fabs(values.back()), INFINITY) - std::fabs(values.back());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    found.distinct_sums = values.size();
+    if (std::isfinite(spread)) found.ulp_spread = spread / unit;
+    return found;
+  }
+
+  void describe(const CellResult& result, CaseOutcome& outcome) const {
+    outcome.verdict = result.stability.verdict;
+    outcome.digits = relative_digits(result);
+    outcome.dominates = dominating(result);
+    if (const Floor* floor = largest_floor(result.floors)) {
+      outcome.floor_predicted = result.floors.predicted_total();
+      outcome.floor_bound = floor->bound;
+    }
+    if (result.rate.plateau.kind == PlateauKind::numeric)
+      outcome.floor_seen = result.rate.plateau.level;
+    if (outcome.demand) outcome.faults = unmet(*outcome.demand, outcome, result);
+  }
+
+  RelaxedDifference against_relaxed(const Cell& cell, const CellResult& strict) {
+    RelaxedDifference found;
+    try {
+      PlanOptions options;
+      options.relaxed_math = true;
+      Cell last = cell;
+      last.n = {strict.rows.back().n};
+      PreparedCell prepared(catalog_, device_, exact_device_,
+                            make_plan(catalog_, last, device_.facts(), "", options));
+      const Row row = prepared.run_row(last.n.front());
+      for (std::size_t r = 0; r < row.estimates.size(); ++r)
+        found.difference += (row.estimates[r] - strict.rows.back().estimates[r]) /
+                            static_cast<double>(row.estimates.size());
+      if (!std::isfinite(found.difference)) {
+        found.reason = "a sum is not finite";
+      } else if (const auto& rmse = strict.rows.back().errors.rmse; rmse && *rmse > 0) {
+        found.in_rmse = found.difference / *rmse;
+      }
+    } catch (const UnsupportedError& error) {
+      found.reason = error.what();
+    }
+    return found;
+  }
+
+  const Catalog& catalog_;
+  Device& device_;
+  Device& exact_device_;
+  std::size_t rows_;
+  const SuiteOptions& options_;
+};
+
+void check_range(const std::optional<Interval>& range, const std::optional<double>& value,
+                 const char* what, std::vector<std::string>& faults) {
+  if (!range || (value && *value >= range->low && *value <= range->high)) return;
+  faults.push_back(fmt::format("{} {}, must be {:.4g} to {:.4g}", what,
+                               value ? fmt::format("{:.4g}", *value) : "unknown", range->low,
+                               range->high));
+}
+
+}  // namespace
+
+std::vector<std::string> unmet(const Demand& demand, const CaseOutcome& outcome,
+                               const CellResult& result) {
+  std::vector<std::string> faults;
+  if (outcome.verdict != demand.verdict)
+    faults.push_back(fmt::format("verdict {}, must be {}: {}",
+                                 outcome.verdict.empty() ? "none" : outcome.verdict, demand.verdict,
+                                 result.stability.reason));
+  const auto& marks = result.stability.marks;
+  const bool overflow = std::find(marks.begin(), marks.end(), "OVERFLOW") != marks.end();
+  if (overflow != demand.overflow)
+    faults.push_back(overflow ? "marked OVERFLOW" : "not marked OVERFLOW");
+  std::optional<double> bias;
+  if (result.ode && result.ode->integrator_bias && result.exact.mean && *result.exact.mean != 0)
+    bias = *result.ode->integrator_bias / *result.exact.mean;
+  check_range(demand.bias, bias, "relative bias of the integrator", faults);
+  check_range(demand.digits, outcome.digits, "digits", faults);
+  return faults;
+}
+
+std::vector<CaseOutcome> run_suite(const Catalog& catalog, Device& device, Device& exact_device,
+                                   const Suite& suite, const SuiteOptions& options) {
+  std::size_t rows = 0;
+  for (const Cell& cell : suite.study.cells) rows += cell.n.size();
+  CaseRunner runner(catalog, device, exact_device, rows, options);
+  std::vector<CaseOutcome> outcomes;
+  for (std::size_t i = 0; i < suite.study.cells.size(); ++i) {
+    outcomes.push_back(runner.run(suite.study.cells[i], suite.demands[i]));
+    if (options.progress) options.progress(i, outcomes.back());
+  }
+  return outcomes;
+}
+
+FloorComparison compare_floors(const std::vector<CaseOutcome>& outcomes) {
+  FloorComparison comparison;
+  for (const CaseOutcome& outcome : outcomes) {
+    if (!outcome.floor_seen || !outcome.floor_predicted) continue;
+    ++comparison.reached;
+    const double ratio = *outcome.floor_predicted / *outcome.floor_seen;
+    if (ratio <= kWithin && ratio >= 1 / kWithin) {
+      ++comparison.within_ten;
+    } else {
+      comparison.exceptions.push_back(
+          fmt::format("{} with {} in {}: predicted {:.2g}, seen {:.2g}",
+                      outcome.cell["scene"]["text"].get<std::string>(),
+                      outcome.cell["sampler"].get<std::string>(),
+                      outcome.cell["precision"].get<std::string>(), *outcome.floor_predicted,
+                      *outcome.floor_seen));
+    }
+  }
+  return comparison;
+}
+
+}  // namespace koksma

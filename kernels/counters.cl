@@ -1,0 +1,206 @@
+// counters.cl: what integrate.cl counts of its samples where KOKSMA_COUNTERS is set. Comes after the family of points
+// (and rotate.cl) and puts a watch around their slots; everything after it meets the watched ones.
+// Everything is told from the bits: comparisons are unreliable under -cl-finite-math-only, and so are those of
+// denormals where they are flushed to zero. An ordinary sample costs one range test and one branch; the others are
+// counted exactly behind it.
+#define KOKSMA_SIGN_BIT ((word)1 << (8 * sizeof(word) - 1))
+#define KOKSMA_INFINITY_PATTERN ((word)(KOKSMA_ONE_PATTERN << 1 | KOKSMA_ONE_PATTERN) & (KOKSMA_SIGN_BIT - 1))
+#define KOKSMA_LEAST_NORMAL ((word)1 << KOKSMA_MANTISSA_BITS)
+
+#if KOKSMA_LANES_PER_ITEM == 1
+typedef KOKSMA_SIGNED signed_bits;
+static inline bits ones_of(mask m) { return (bits)m; }
+#else
+typedef mask signed_bits;
+static inline bits ones_of(mask m) { return (word)0 - KOKSMA_AS_BITS(m); }
+#endif
+
+// any_lane of masks whose lanes are 0 or -1, for every sample: PoCL's any() tests lane after lane.
+static inline int some_lane(mask m) {
+#if KOKSMA_LANES_PER_ITEM == 1
+  return m;
+#else
+#if KOKSMA_LANES_PER_ITEM == 4
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = m;
+#elif KOKSMA_LANES_PER_ITEM == 8
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = m.lo | m.hi;
+#else
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 8) half_of = m.lo | m.hi;
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = half_of.lo | half_of.hi;
+#endif
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 2) pair = quarter.lo | quarter.hi;
+  return (pair.x | pair.y) != 0;
+#endif
+}
+
+// The sums of |f| and f^2 are in fp64 where the device has it.
+#if KOKSMA_COUNTERS_FP64
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+typedef double wide_scalar;
+#if KOKSMA_LANES_PER_ITEM == 1
+typedef double wide;
+#define KOKSMA_TO_WIDE convert_double
+#else
+typedef KOKSMA_PASTE(double, KOKSMA_LANES_PER_ITEM) wide;
+#define KOKSMA_TO_WIDE KOKSMA_PASTE(convert_double, KOKSMA_LANES_PER_ITEM)
+#endif
+#else
+typedef scalar wide_scalar;
+typedef real wide;
+#define KOKSMA_TO_WIDE(y) (y)
+#endif
+
+typedef struct {
+  points inner;
+  // The greatest of the bits of this sample's coordinates, less 1 (0 wraps round to the top), the sign bit flipped to
+  // compare as signed: those in (0,1) lie below all others.
+  signed_bits highest;
+  __global const word *table;
+  ulong index, n, seed;  // index: of the vector's step, a multiple of 16
+  uint replicate, lane;
+} watched_points;
+
+#define KOKSMA_WATCH_LOWEST ((signed_bits)(KOKSMA_SIGNED)KOKSMA_SIGN_BIT)
+
+static inline void watched_seek(watched_points *p, __global const word *table, ulong first, ulong n, ulong seed,
+                                uint replicate, uint lane) {
+  points_seek(&p->inner, table, first, n, seed, replicate, lane);
+  p->highest = KOKSMA_WATCH_LOWEST;
+  p->table = table;
+  p->index = first;
+  p->n = n;
+  p->seed = seed;
+  p->replicate = replicate;
+  p->lane = lane;
+}
+
+static inline real watched_next(watched_points *p) {
+  const real x = points_next(&p->inner);
+  p->highest = max(p->highest, KOKSMA_AS_SIGNED(KOKSMA_AS_BITS(x) + (KOKSMA_SIGN_BIT - 1)));
+  return x;
+}
+
+static inline void watched_step(watched_points *p) {
+  points_step(&p->inner);
+  p->highest = KOKSMA_WATCH_LOWEST;
+  p->index += KOKSMA_LANES;
+}
+
+static inline uint watched_drawn(const watched_points *p) { return points_drawn(&p->inner); }
+
+// Samples with a coordinate that is not in (0,1).
+static inline mask outside_lanes(const watched_points *p) {
+  return p->highest > (signed_bits)(KOKSMA_SIGNED)(KOKSMA_ONE_PATTERN - 2 + KOKSMA_SIGN_BIT);
+}
+
+// Counts by lane, so that a sample adds nothing across them.
+typedef struct {
+  bits zero;  // samples f = +-0; all others are hits
+  bits nan, plus_inf, minus_inf, denormal, blow_up;
+  bits coordinate_le0, coordinate_ge1;
+  signed_bits largest;        // the bits of the greatest |f| of finite samples
+  wide sum_abs, sum_squares;  // of f times the scale, finite samples
+} counters;
+
+static inline void counters_init(counters *k) {
+  const bits none = (bits)(word)0;
+  k->zero = k->nan = k->plus_inf = k->minus_inf = k->denormal = k->blow_up = none;
+  k->coordinate_le0 = k->coordinate_ge1 = none;
+  k->largest = (signed_bits)(KOKSMA_SIGNED)0;
+  k->sum_abs = k->sum_squares = KOKSMA_TO_WIDE(R(0.0));
+}
+
+// The watch does not tell which coordinate it was: the sample's coordinates are drawn again.
+static inline void count_coordinates(counters *k, const watched_points *p, mask valid) {
+  points again;
+  points_seek(&again, p->table, p->index, p->n, p->seed, p->replicate, p->lane);
+  bits le0 = (bits)(word)0, ge1 = le0;
+  for (uint d = 0; d < KOKSMA_DIM; ++d) {
+    const bits b = KOKSMA_AS_BITS(points_next(&again));
+    const bits size = b & (bits)(KOKSMA_SIGN_BIT - 1);
+    const mask is_nan = size > (bits)KOKSMA_INFINITY_PATTERN;
+    const mask negative = b != size;
+    le0 |= ones_of((size == (bits)(word)0) | (negative & not_lanes(is_nan)));
+    ge1 |= ones_of(is_nan | ((size >= (bits)(word)KOKSMA_ONE_PATTERN) & not_lanes(negative)));
+  }
+  k->coordinate_le0 += le0 & ones_of(valid);
+  k->coordinate_ge1 += ge1 & ones_of(valid);
+}
+
+// Samples of which one at least is not ordinary. Returns f with 0 for what is not finite.
+static inline real count_exceptional(counters *k, real y, bits size, word limit) {
+  const mask is_nan = size > (bits)KOKSMA_INFINITY_PATTERN;
+  const mask is_inf = size == (bits)KOKSMA_INFINITY_PATTERN;
+  const mask negative = KOKSMA_AS_BITS(y) != size;
+  const mask denormal = (size < (bits)KOKSMA_LEAST_NORMAL) & (size != (bits)(word)0);
+  k->nan += ones_of(is_nan);
+  k->plus_inf += ones_of(is_inf & not_lanes(negative));
+  k->minus_inf += ones_of(is_inf & negative);
+  k->denormal += ones_of(denormal);
+  k->blow_up += ones_of((size > (bits)limit) & not_lanes(is_nan));
+  return KOKSMA_AS_REAL(KOKSMA_AS_BITS(y) & ((word)0 - ones_of(not_lanes(is_nan | is_inf))));
+}
+
+// Takes a vector of samples. limit: bits of the |f| above which a sample is a blow-up, of a normal number; scale: a
+// power of two that brings f to about 1, so that squares neither overflow nor underflow.
+static inline void count_samples(counters *k, real y, const watched_points *p, mask valid, word limit,
+                                 wide_scalar scale) {
+  const bits size = KOKSMA_AS_BITS(y) & (bits)(KOKSMA_SIGN_BIT - 1);
+  const signed_bits above = KOKSMA_AS_SIGNED(size + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
+  const mask odd = above > (signed_bits)(KOKSMA_SIGNED)(limit + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
+  const mask outside = outside_lanes(p) & valid;
+  if (some_lane(odd | outside)) {
+    const mask zero = size == (bits)(word)0;
+    k->zero += ones_of(zero);
+    if (some_lane((odd & not_lanes(zero)) | outside)) {
+      y = count_exceptional(k, y, size, limit);
+      if (some_lane(outside)) count_coordinates(k, p, valid);
+    }
+  }
+  const real magnitude = KOKSMA_AS_REAL(KOKSMA_AS_BITS(y) & (bits)(KOKSMA_SIGN_BIT - 1));
+  k->largest = max(k->largest, KOKSMA_AS_SIGNED(magnitude));
+  const wide scaled = KOKSMA_TO_WIDE(magnitude) * scale;
+  k->sum_abs += scaled;
+  k->sum_squares = fma(scaled, scaled, k->sum_squares);
+}
+
+static inline ulong sum_lanes(bits count) {
+  ulong sum = 0;
+  word lanes[KOKSMA_LANES_PER_ITEM];
+  store_lanes(count, lanes);
+  for (uint l = 0; l < KOKSMA_LANES_PER_ITEM; ++l) sum += lanes[l];
+  return sum;
+}
+
+static inline ulong largest_lane(bits values) {
+  ulong most = 0;
+  word lanes[KOKSMA_LANES_PER_ITEM];
+  store_lanes(values, lanes);
+  for (uint l = 0; l < KOKSMA_LANES_PER_ITEM; ++l) most = max(most, (ulong)lanes[l]);
+  return most;
+}
+
+// counts: this item's place in the first counter, `stride` apart, in the order of CounterWord (integrator.cpp);
+// samples: lanes that were taken, those beyond n too, which hold f = 0.
+// sizes: this item's lanes of sum |f|, then `sums_stride` on those of sum f^2.
+static inline void counters_store(const counters *k, ulong samples, __global ulong *counts, ulong stride,
+                                  __global wide_scalar *sizes, ulong sums_stride) {
+  counts[0] = sum_lanes(k->nan);
+  counts[stride] = sum_lanes(k->plus_inf);
+  counts[2 * stride] = sum_lanes(k->minus_inf);
+  counts[3 * stride] = sum_lanes(k->denormal);
+  counts[4 * stride] = sum_lanes(k->coordinate_le0);
+  counts[5 * stride] = sum_lanes(k->coordinate_ge1);
+  counts[6 * stride] = samples - sum_lanes(k->zero);
+  counts[7 * stride] = sum_lanes(k->blow_up);
+  counts[8 * stride] = largest_lane(KOKSMA_AS_BITS(k->largest));
+  store_lanes(k->sum_abs, sizes);
+  store_lanes(k->sum_squares, sizes + sums_stride);
+}
+
+#undef inline
+#define points watched_points
+#define points_seek watched_seek
+#define points_next watched_next
+#define points_step watched_step
+#define points_drawn watched_drawn
