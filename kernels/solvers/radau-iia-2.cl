@@ -46,7 +46,8 @@ static inline void ode_solve(const ode *m, real t0, real t1, uint steps, real to
     mask active = h == h;
     for (uint iteration = 0; iteration < KOKSMA_NEWTON_ITERATIONS && any_lane(active); ++iteration) {
       radau_correction(m, fma((real)(scalar)k, h, t0), h, y, z, correction);
-      active = newton_update(active, correction, y, z, KOKSMA_RADAU_ROWS);
+      const real largest = fmax(largest_magnitude(y, n), largest_magnitude(z, KOKSMA_RADAU_ROWS));
+      active = newton_update(active, correction, y, largest, z, KOKSMA_RADAU_ROWS);
     }
     KOKSMA_UNROLL
     for (uint i = 0; i < n; ++i) y[i] = select_real(active, KOKSMA_NAN, y[i] + z[n + i]);

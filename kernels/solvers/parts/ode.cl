@@ -7,23 +7,25 @@ static inline void ode_rhs(const ode *m, real t, const real *y, real *f);
 static inline void ode_jacobian(const ode *m, real t, const real *y, real *j);  // j[row * KOKSMA_ODE_SIZE + column]
 static inline void ode_time_derivative(const ode *m, real t, const real *y, real *g);  // of f at fixed y
 
-// y: the state at t0, then at t1. Fixed-step solvers take `steps` equal steps. Adaptive ones begin with a step of
-// that length and keep the estimated error of every step and component below tolerance (1 + |y|). A lane that fails
-// (Newton's iteration or the step size) ends as NaN, never as a number that looks like a solution.
+// y: the state at t0, then at t1. Fixed-step solvers take `steps` equal steps. Adaptive ones begin with a step of at
+// most that length and keep the estimated error of every step and component below tolerance (1 + |y|). A lane that
+// fails (Newton's iteration or the step size) ends as NaN, never as a number that looks like a solution.
 static inline void ode_solve(const ode *m, real t0, real t1, uint steps, real tolerance, real *y);
 
 // Exponent and first mantissa bit set: a quiet NaN, also where the compiler assumes that there are none.
 #define KOKSMA_NAN KOKSMA_AS_REAL((bits)((word)KOKSMA_ONE_PATTERN * 2 + ((word)3 << (KOKSMA_MANTISSA_BITS - 1))))
 
 // Newton's iteration ends where the last correction of every component is below this share of it, about eps^(2/3), or
-// 16 eps of the largest: it converges quadratically, so what is left is below rounding, and rounding of the residual
-// can not keep it from ending.
+// 16 eps of the largest number of the equation: it converges quadratically, so what is left is below rounding, and
+// rounding of the residual can not keep it from ending. Nor can denormal numbers, which have no relative accuracy.
 #if KOKSMA_FP64
 #define KOKSMA_NEWTON_SHARE R(4e-11)
 #define KOKSMA_NEWTON_FLOOR R(3.6e-15)
+#define KOKSMA_LEAST_NORMAL R(2.2250738585072014e-308)
 #else
 #define KOKSMA_NEWTON_SHARE R(3e-5)
 #define KOKSMA_NEWTON_FLOOR R(1.9e-6)
+#define KOKSMA_LEAST_NORMAL R(1.17549435e-38)
 #endif
 #define KOKSMA_NEWTON_ITERATIONS 25
 
@@ -91,17 +93,16 @@ static inline mask any_nonfinite(const real *v, uint n) {
   return found;
 }
 
-// One correction of Newton's iteration, in the lanes that are active: z += correction; returned are the lanes that go on.
-// y + z[0 ... size - 1], y + z[size ... 2 size - 1], ... are the states. A lane that left the range of numbers stops:
-// its NaN or infinity is what the sample becomes.
-static inline mask newton_update(mask active, const real *correction, const real *y, real *z, uint n) {
-  const uint size = KOKSMA_ODE_SIZE;
-  const real least = KOKSMA_NEWTON_FLOOR * fmax(largest_magnitude(y, size), largest_magnitude(z, n));
+// One correction of Newton's iteration, in the lanes that are active: z += correction; returned are the lanes that go
+// on. y + z[0 ... size - 1], y + z[size ... 2 size - 1], ... are the states, `largest` bounds the terms of the
+// equations. A lane that left the range of numbers stops: its NaN or infinity is what the sample becomes.
+static inline mask newton_update(mask active, const real *correction, const real *y, real largest, real *z, uint n) {
+  const real least = fma(KOKSMA_NEWTON_FLOOR, largest, KOKSMA_LEAST_NORMAL);
   mask large = active & not_lanes(active);
   KOKSMA_UNROLL
   for (uint i = 0; i < n; ++i) {
     z[i] = select_real(active, z[i] + correction[i], z[i]);
-    large |= fabs(correction[i]) > fmax(KOKSMA_NEWTON_SHARE * fabs(y[i % size] + z[i]), least);
+    large |= fabs(correction[i]) > fmax(KOKSMA_NEWTON_SHARE * fabs(y[i % KOKSMA_ODE_SIZE] + z[i]), least);
   }
   return active & large & not_lanes(any_nonfinite(z, n));
 }
@@ -128,7 +129,9 @@ static inline void implicit_stage(const ode *m, real t, real c, const real *base
     }
     lu_factor(a, exchanged, n);
     lu_solve(a, exchanged, n, correction);
-    active = newton_update(active, correction, origin, y, n);
+    // The terms are y, base and, as their difference, c f.
+    const real largest = fmax(largest_magnitude(base, n), largest_magnitude(y, n));
+    active = newton_update(active, correction, origin, largest, y, n);
   }
   KOKSMA_UNROLL
   for (uint i = 0; i < n; ++i) y[i] = select_real(active, KOKSMA_NAN, y[i]);
