@@ -15,18 +15,30 @@ typedef mask signed_bits;
 static inline bits ones_of(mask m) { return (word)0 - KOKSMA_AS_BITS(m); }
 #endif
 
-// any_lane of masks whose lanes are 0 or -1, for every sample: PoCL's any() tests lane after lane.
-static inline int some_lane(mask m) {
+// What only has to be known of any lane, or of the greatest, is folded to 8 lanes as it comes in fp64: the registers
+// are the integrand's.
+#if KOKSMA_LANES_PER_ITEM == 16 && KOKSMA_FP64
+typedef KOKSMA_PASTE(KOKSMA_SIGNED, 8) watch;
+static inline watch greatest_of(signed_bits b) { return max(b.lo, b.hi); }
+static inline watch either_of(mask m) { return m.lo | m.hi; }
+#else
+typedef signed_bits watch;
+static inline watch greatest_of(signed_bits b) { return b; }
+static inline watch either_of(mask m) { return m; }
+#endif
+
+// any_lane of what is 0 or -1, for every sample: PoCL's any() tests lane after lane.
+static inline int some_watch(watch w) {
 #if KOKSMA_LANES_PER_ITEM == 1
-  return m;
+  return w != 0;
 #else
-#if KOKSMA_LANES_PER_ITEM == 4
-  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = m;
-#elif KOKSMA_LANES_PER_ITEM == 8
-  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = m.lo | m.hi;
-#else
-  const KOKSMA_PASTE(KOKSMA_SIGNED, 8) half_of = m.lo | m.hi;
+#if KOKSMA_LANES_PER_ITEM == 16 && !KOKSMA_FP64
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 8) half_of = w.lo | w.hi;
   const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = half_of.lo | half_of.hi;
+#elif KOKSMA_LANES_PER_ITEM == 4
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = w;
+#else
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = w.lo | w.hi;
 #endif
   const KOKSMA_PASTE(KOKSMA_SIGNED, 2) pair = quarter.lo | quarter.hi;
   return (pair.x | pair.y) != 0;
@@ -58,23 +70,25 @@ typedef wide folded;
 
 typedef struct {
   points inner;
-  mask outside;  // samples with a coordinate that is not in (0,1)
+  // The greatest of the bits of this sample's coordinates, less 1 (0 wraps round to the top), the sign bit flipped to
+  // compare as signed: those in (0,1) lie below all others.
+  watch highest;
   __global const word *table;
   ulong index, n, seed;  // index: of the vector's step, a multiple of 16
   uint replicate, lane;
 } watched_points;
 
-// The bits of x, less 1 (0 wraps round to the top) and with the sign bit flipped, to compare as signed, which is the
-// cheaper way with AVX2: those in (0,1) lie below all others.
-static inline mask outside_lanes(real x) {
-  return KOKSMA_AS_SIGNED(KOKSMA_AS_BITS(x) + (KOKSMA_SIGN_BIT - 1)) >
-         (signed_bits)(KOKSMA_SIGNED)(KOKSMA_ONE_PATTERN - 2 + KOKSMA_SIGN_BIT);
+static inline watch lowest(void) { return (watch)(KOKSMA_SIGNED)KOKSMA_SIGN_BIT; }
+
+// Samples, or their folded lanes, with a coordinate that is not in (0,1).
+static inline watch outside_watch(const watched_points *p) {
+  return p->highest > (watch)(KOKSMA_SIGNED)(KOKSMA_ONE_PATTERN - 2 + KOKSMA_SIGN_BIT);
 }
 
 static inline void watched_seek(watched_points *p, __global const word *table, ulong first, ulong n, ulong seed,
                                 uint replicate, uint lane) {
   points_seek(&p->inner, table, first, n, seed, replicate, lane);
-  p->outside = (mask)0;
+  p->highest = lowest();
   p->table = table;
   p->index = first;
   p->n = n;
@@ -85,13 +99,13 @@ static inline void watched_seek(watched_points *p, __global const word *table, u
 
 static inline real watched_next(watched_points *p) {
   const real x = points_next(&p->inner);
-  p->outside |= outside_lanes(x);
+  p->highest = max(p->highest, greatest_of(KOKSMA_AS_SIGNED(KOKSMA_AS_BITS(x) + (KOKSMA_SIGN_BIT - 1))));
   return x;
 }
 
 static inline void watched_step(watched_points *p) {
   points_step(&p->inner);
-  p->outside = (mask)0;
+  p->highest = lowest();
   p->index += KOKSMA_LANES;
 }
 
@@ -102,7 +116,7 @@ typedef struct {
   bits zero;  // samples f = +-0; all others are hits
   bits nan, plus_inf, minus_inf, denormal, blow_up;
   bits coordinate_le0, coordinate_ge1;
-  signed_bits largest;        // the bits of the greatest |f| of finite samples
+  watch largest;  // the bits of the greatest |f| of finite samples
   folded sum_abs, sum_squares;  // of f times the scale, finite samples
 } counters;
 
@@ -110,7 +124,7 @@ static inline void counters_init(counters *k) {
   const bits none = (bits)(word)0;
   k->zero = k->nan = k->plus_inf = k->minus_inf = k->denormal = k->blow_up = none;
   k->coordinate_le0 = k->coordinate_ge1 = none;
-  k->largest = (signed_bits)(KOKSMA_SIGNED)0;
+  k->largest = (watch)(KOKSMA_SIGNED)0;
   k->sum_abs = k->sum_squares = (folded)(wide_scalar)0;
 }
 
@@ -151,18 +165,19 @@ static inline void count_samples(counters *k, real y, const watched_points *p, m
                                  wide_scalar scale) {
   const bits size = KOKSMA_AS_BITS(y) & (bits)(KOKSMA_SIGN_BIT - 1);
   const signed_bits above = KOKSMA_AS_SIGNED(size + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
-  const mask odd = above > (signed_bits)(KOKSMA_SIGNED)(limit + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
-  const mask outside = p->outside & valid;
-  if (some_lane(odd | outside)) {
+  const signed_bits most = (signed_bits)(KOKSMA_SIGNED)(limit + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
+  const mask odd = above > most;
+  const watch outside = outside_watch(p);
+  if (some_watch(either_of(odd) | outside)) {
     const mask zero = size == (bits)(word)0;
     k->zero += ones_of(zero);
-    if (some_lane((odd & not_lanes(zero)) | outside)) {
+    if (some_watch(either_of(odd & not_lanes(zero)) | outside)) {
       y = count_exceptional(k, y, size, limit);
-      if (some_lane(outside)) count_coordinates(k, p, valid);
+      if (some_watch(outside)) count_coordinates(k, p, valid);
     }
   }
   const real magnitude = KOKSMA_AS_REAL(KOKSMA_AS_BITS(y) & (bits)(KOKSMA_SIGN_BIT - 1));
-  k->largest = max(k->largest, KOKSMA_AS_SIGNED(magnitude));
+  k->largest = max(k->largest, greatest_of(KOKSMA_AS_SIGNED(magnitude)));
   const wide scaled = KOKSMA_TO_WIDE(magnitude) * scale;
 #if KOKSMA_LANES_PER_ITEM == 16
   k->sum_abs += scaled.lo + scaled.hi;
@@ -181,12 +196,16 @@ static inline ulong sum_lanes(bits count) {
   return sum;
 }
 
-static inline ulong largest_lane(bits values) {
-  ulong most = 0;
-  word lanes[KOKSMA_LANES_PER_ITEM];
-  store_lanes(values, lanes);
-  for (uint l = 0; l < KOKSMA_LANES_PER_ITEM; ++l) most = max(most, (ulong)lanes[l]);
-  return most;
+static inline ulong greatest_lane(watch w) {
+  const uint count = sizeof(watch) / sizeof(word);
+  KOKSMA_SIGNED lanes[sizeof(watch) / sizeof(word)], most = 0;
+#if KOKSMA_LANES_PER_ITEM == 16 && KOKSMA_FP64
+  vstore8(w, 0, lanes);
+#else
+  store_lanes(w, lanes);
+#endif
+  for (uint l = 0; l < count; ++l) most = max(most, lanes[l]);
+  return (ulong)most;
 }
 
 static inline wide_scalar total_of(folded sums) {
@@ -213,7 +232,7 @@ static inline void counters_store(const counters *k, ulong samples, __global ulo
   counts[5 * stride] = sum_lanes(k->coordinate_ge1);
   counts[6 * stride] = samples - sum_lanes(k->zero);
   counts[7 * stride] = sum_lanes(k->blow_up);
-  counts[8 * stride] = largest_lane(KOKSMA_AS_BITS(k->largest));
+  counts[8 * stride] = greatest_lane(k->largest);
   sizes[0] = total_of(k->sum_abs);
   sizes[stride] = total_of(k->sum_squares);
 }
