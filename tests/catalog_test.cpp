@@ -148,7 +148,7 @@ TEST_CASE("the embedded catalog loads, and every entry has its code", "[unit]") 
 
 TEST_CASE(
     "every .cl of integrands/, sums/, transforms/ and points/ belongs to an entry, and those of "
-    "quality/ are asked for",
+    "quality/ and stability/ are asked for",
     "[unit]") {
   std::set<std::string> owned;
   const auto own = [&](const auto& entries) {
@@ -164,9 +164,14 @@ TEST_CASE(
   own(test::catalog().transforms);
   own(test::catalog().filters);
   own(test::catalog().sums);
-  for (const auto& file : fs::directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / "harness/quality"))
-    for (const std::string& literal : string_literals(read_text_file(file.path().string())))
-      owned.insert("kernels/quality/" + literal + ".cl");
+  for (const char* stage : {"quality", "stability"})
+    for (const auto& file :
+         fs::directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / "harness" / stage))
+      for (const std::string& literal : string_literals(read_text_file(file.path().string())))
+        for (const std::string& path :
+             {literal, "kernels/" + std::string(stage) + "/" + literal + ".cl"})
+          owned.insert(path);
+  owned.insert("kernels/stability/add-up.cl");  // behind every sum of a self-test
   for (const EmbeddedFile& file : embedded_files()) {
     if (!file.path.ends_with(".cl") ||
         (file.path.starts_with("kernels/") && file.path.find('/', 8) == std::string_view::npos))

@@ -168,6 +168,12 @@ struct DigitWeights {
   int first = 0, step = 0;
 };
 
+// Terms, in this order, whose sum an intact build returns.
+struct SumKnownAnswer {
+  std::vector<double> terms;
+  double sum = 0;
+};
+
 struct SumAlgorithm {
   std::string name, title, citation;
   unsigned words_fp32 = 1, words_fp64 = 1;  // stored words whose exact sum is the value
@@ -177,6 +183,7 @@ struct SumAlgorithm {
   bool order_free = false;   // any order and grouping of the terms gives the same value
   std::vector<RoundingTerm> bound, estimate;  // of the error relative to the sum of |terms|
   double quantum = 0;                         // terms are rounded to multiples of it; 0: they are not
+  std::vector<SumKnownAnswer> self_test;
   int preference = 0;  // the default is the highest the device can run
   SourceFile code;
 

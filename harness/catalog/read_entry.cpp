@@ -178,6 +178,8 @@ SumAlgorithm read_sum(const Json& entry, SourceFile code) {
   s.estimate = read_rounding(entry["error"]["estimate"]);
   if (const auto found = entry["error"].find("quantum_log2"); found != entry["error"].end())
     s.quantum = std::ldexp(1.0, found->get<int>());
+  for (const Json& answer : entry.value("self_test", Json::array()))
+    s.self_test.push_back({answer["terms"].get<std::vector<double>>(), answer["sum"]});
   s.preference = entry["preference"];
   s.code = std::move(code);
   return s;

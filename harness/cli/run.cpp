@@ -15,6 +15,7 @@
 #include "points/matrices.hpp"
 #include "report/results.hpp"
 #include "report/table.hpp"
+#include "stability/eft.hpp"
 
 namespace koksma {
 namespace {
@@ -33,18 +34,6 @@ struct Slot {
   std::unique_ptr<PreparedCell> prepared;
 };
 
-CellResult refused(const Cell& cell, CellStatus status, const std::string& reason) {
-  CellResult result;
-  result.cell = cell;
-  result.status = status;
-  result.reason = reason;
-  result.rate.reason = "the cell did not run";
-  result.verdict.verdict = "no-rate";
-  result.verdict.reason = result.rate.reason;
-  result.stability.reason = result.rate.reason;
-  return result;
-}
-
 class Run {
  public:
   Run(const RunOptions& options, const Catalog& catalog, const Study& study, Device& device,
@@ -54,6 +43,7 @@ class Run {
         study_(study),
         device_(device),
         journal_(journal),
+        self_test_(catalog, device),
         progress_(stderr, study.cells.size(), options.quiet) {
     for (const Cell& cell : study.cells) rows_ += cell.n.size();
   }
@@ -132,11 +122,12 @@ class Run {
       if (catalog_.integrand(cell.scene.integrand, "scene").users_own)
         check_user_integrand(catalog_, device_, exact_device, cell);
       Plan plan = make_plan(catalog_, cell, device_.facts(), options_.directions);
+      self_test_.require(plan);
       slot.prepared =
           std::make_unique<PreparedCell>(catalog_, device_, exact_device, std::move(plan));
     } catch (const UnsupportedError& error) {
-      slot.json =
-          cell_to_json(catalog_, refused(cell, CellStatus::unsupported, error.what()), nullptr);
+      slot.json = cell_to_json(catalog_, refused_cell(cell, CellStatus::unsupported, error.what()),
+                               nullptr);
     } catch (const InputError&) {
       throw;
     } catch (const std::exception& error) {  // a cell that fails, for want of memory too, is a row
@@ -154,7 +145,7 @@ class Run {
     failed_ = true;
     progress_.clear();
     fmt::print(stderr, "koksma: {} with {}: {}\n", cell.scene.text, cell.sampler, reason);
-    slot.json = cell_to_json(catalog_, refused(cell, CellStatus::failed, reason), nullptr);
+    slot.json = cell_to_json(catalog_, refused_cell(cell, CellStatus::failed, reason), nullptr);
   }
 
   Json finish(const Cell& cell, Slot& slot) {
@@ -183,6 +174,7 @@ class Run {
   const Study& study_;
   Device& device_;
   Journal& journal_;
+  EftSelfTest self_test_;
   Progress progress_;
   std::vector<Slot> slots_;
   std::map<std::string, std::vector<std::size_t>> unknown_;  // by scene: cells

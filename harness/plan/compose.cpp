@@ -52,6 +52,21 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   return text;
 }
 
+// A sum piece and the kernel that adds with it, their names made those of place k.
+std::string renamed_sum(const SumAlgorithm& sum, std::size_t k, bool fp64) {
+  std::string before = fmt::format("#define KOKSMA_SUM_WORDS {}\n", sum.words(fp64));
+  std::string after = "#undef KOKSMA_SUM_WORDS\n";
+  for (const char* name : {"sum", "sum_scalar", "sum_value", "sum_init", "sum_convert", "sum_add",
+                           "sum_store", "add_up"}) {
+    before += fmt::format("#define {0} {0}_{1}\n", name, k);
+    after += fmt::format("#undef {}\n", name);
+  }
+  std::string text = std::move(before);
+  append_piece(text, sum.code);
+  append_embedded(text, "kernels/stability/add-up.cl");
+  return text + after;
+}
+
 }  // namespace
 
 std::string params_source(const Integrand& f, const char* type) {
@@ -168,6 +183,21 @@ ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchS
   append_embedded(text, "kernels/prelude.cl");
   append_embedded(text, fmt::format("kernels/quality/{}.cl", piece).c_str());
   return {fmt::format("the quality kernels of {}.cl", piece), std::move(text), kOptions};
+}
+
+ProgramSource self_test_program(const std::string& piece, const std::vector<const SumAlgorithm*>& sums,
+                                Precision precision, std::uint32_t lanes_per_item,
+                                const std::string& options) {
+  const bool fp64 = precision == Precision::fp64;
+  std::string text = fmt::format(
+      "#define KOKSMA_LANES_PER_ITEM {}\n#define KOKSMA_FP64 {}\n#define KOKSMA_DIM 1\n"
+      "#define KOKSMA_CENTRED 0\n",
+      lanes_per_item, fp64 ? 1 : 0);
+  append_embedded(text, "kernels/prelude.cl");
+  for (std::size_t k = 0; k < sums.size(); ++k) text += renamed_sum(*sums[k], k, fp64);
+  append_embedded(text, fmt::format("kernels/stability/{}.cl", piece).c_str());
+  return {fmt::format("the self-test {}.cl", piece), std::move(text),
+          options.empty() ? std::string(kOptions) : fmt::format("{} {}", kOptions, options)};
 }
 
 }  // namespace koksma

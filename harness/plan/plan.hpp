@@ -115,6 +115,12 @@ ProgramSource exact_program(const Integrand& integrand, const Scene& scene);
 // lanes per work-item and the local size.
 ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchShape& shape);
 
+// kernels/stability/<piece>.cl behind the prelude and these sums, each with the kernel add_up_<k> of
+// add-up.cl, k its place among them. `options` come behind those that every program has.
+ProgramSource self_test_program(const std::string& piece, const std::vector<const SumAlgorithm*>& sums,
+                                Precision precision, std::uint32_t lanes_per_item,
+                                const std::string& options);
+
 // The point table in the words of the plan's precision, as bytes ready to upload (at least one
 // word). Of sets that are not extensible it is that of the set of n points; 0: the plan's largest.
 // `prepared`: what the plan's preparation computed, where it has one; device/prepare.hpp runs it

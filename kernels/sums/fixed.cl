@@ -48,26 +48,27 @@ static inline void sum_add(sum *s, sum_value y) {
   s->digit[2] += sum_to_digits(rint((below - middle) * R(2147483648.0)));
 }
 
-// Bits first ... first + count - 1 of a digit, or with its sign all from `first` on, in units of 2^(first - place).
-static inline real sum_part(sum_digits digit, uint first, uint count, int place) {
-  sum_digits part = digit >> (long)first;
-  if (count > 0) part &= ((long)1 << count) - 1;
-  return ldexp(KOKSMA_TO_REAL(part), (int)first - place);
+// The bits of a digit from `first` on that `kept` has, in units of 2^-place.
+static inline real sum_part(sum_digits digit, uint first, long kept, int place) {
+  return ldexp(KOKSMA_TO_REAL(digit >> (long)first & kept), (int)first - place);
 }
-// What a word of the precision holds exactly: two parts of 32 bits, or three of 21.
+// Each digit in parts that a word of the precision holds exactly: two of 32 bits, or three of 21; the first has the
+// sign.
 static inline void sum_store(const sum *s, __global sum_scalar *out, ulong stride) {
 #if KOKSMA_FP64
-  const uint count = 32;
+  const uint width = 32;
 #else
-  const uint count = 21;
+  const uint width = 21;
 #endif
   const uint parts = KOKSMA_SUM_WORDS / 3;
   for (uint k = 0; k < 3; ++k) {
+    long kept = -1;
     for (uint part = 0; part < parts; ++part) {
-      const uint first = (parts - 1 - part) * count;
-      real w = sum_part(s->digit[k], first, part > 0 ? count : 0, 31 * (int)k);
-      if (k == 0 && part == 0) w = select_real(KOKSMA_AS_SIGNED(s->beyond), KOKSMA_AS_REAL((bits)0 - 1), w);
+      real w = sum_part(s->digit[k], (parts - 1 - part) * width, kept, 31 * (int)k);
+      // All ones are a NaN.
+      if (k + part == 0) w = select_real(KOKSMA_AS_SIGNED(s->beyond), KOKSMA_AS_REAL((bits)0 - 1), w);
       store_lanes(w, out + (k * parts + part) * stride);
+      kept = ((long)1 << width) - 1;
     }
   }
 }

@@ -1,0 +1,94 @@
+#include "stability/denormals.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "stability/eft.hpp"
+
+namespace koksma {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string config_names(cl_device_fp_config config) {
+  static const std::pair<cl_device_fp_config, const char*> names[] = {
+      {CL_FP_DENORM, "DENORM"},
+      {CL_FP_INF_NAN, "INF_NAN"},
+      {CL_FP_ROUND_TO_NEAREST, "ROUND_TO_NEAREST"},
+      {CL_FP_ROUND_TO_ZERO, "ROUND_TO_ZERO"},
+      {CL_FP_ROUND_TO_INF, "ROUND_TO_INF"},
+      {CL_FP_FMA, "FMA"},
+      {CL_FP_SOFT_FLOAT, "SOFT_FLOAT"},
+      {CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, "CORRECTLY_ROUNDED_DIVIDE_SQRT"}};
+  std::string text;
+  for (const auto& [bit, name] : names)
+    if ((config & bit) != 0) text += fmt::format("{}{}", text.empty() ? "" : " | ", name);
+  return text;
+}
+
+// The five words of kernels/stability/denormals.cl.
+template <typename Real, typename Word>
+void try_denormals(Device& device, const std::string& options, Real factor, Real denormal,
+                   DenormalResult& result) {
+  std::vector<Word> out(5);
+  checked([&] {
+    cl::Kernel kernel(
+        device.build(self_test_program("denormals", {}, result.precision, 1, options)).program,
+        "denormals");
+    kernel.setArg(0, factor);
+    kernel.setArg(1, factor);
+    kernel.setArg(2, Real{0});
+    kernel.setArg(3, Real{1});
+    kernel.setArg(4, device.upload(&denormal, sizeof denormal));
+    const cl::Buffer words = device.allocate(out.size() * sizeof(Word));
+    kernel.setArg(5, words);
+    device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
+    return device.queue().enqueueReadBuffer(words, CL_TRUE, 0, out.size() * sizeof(Word),
+                                            out.data());
+  });
+  const Word kept = std::bit_cast<Word>(denormal);
+  result.product_flushed = out[0] != std::bit_cast<Word>(factor * factor);
+  result.operand_flushed = out[1] != kept || out[2] != kept;
+  result.compared_as_zero = out[3] == 0 || out[4] == 0;
+}
+
+}  // namespace
+
+DenormalChecks check_denormals(Device& device) {
+  const auto start = Clock::now();
+  DenormalChecks result;
+  const auto cl_device = checked([&] { return device.queue().getInfo<CL_QUEUE_DEVICE>(); });
+  const auto fp32 = checked([&] { return cl_device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>(); });
+  const auto fp64 = checked([&] { return cl_device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>(); });
+  result.fp_config_fp32 = config_names(fp32);
+  result.fp_config_fp64 = config_names(fp64);
+  for (const char* options : {"", "-cl-denorms-are-zero", kRelaxedMathOption}) {
+    for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+      if (precision == Precision::fp64 && !device.facts().fp64) continue;
+      DenormalResult one;
+      one.options = options;
+      one.precision = precision;
+      const auto config = precision == Precision::fp64 ? fp64 : fp32;
+      one.must_keep = one.options.empty() && (config & CL_FP_DENORM) != 0;
+      // Factors of a product just below the normal range, whose bits the host knows.
+      if (precision == Precision::fp64)
+        try_denormals<cl_double, std::uint64_t>(device, options, 1e-160, 0x1.8p-1070, one);
+      else
+        try_denormals<cl_float, std::uint32_t>(device, options, 1e-20F, 0x1.8p-140F, one);
+      if (one.must_keep && one.flushed() && result.why.empty())
+        result.why = fmt::format("{} denormals are flushed under strict options, although the device "
+                                 "reports them",
+                                 precision_name(precision));
+      result.results.push_back(one);
+    }
+  }
+  result.ok = result.why.empty();
+  result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return result;
+}
+
+}  // namespace koksma
