@@ -1,5 +1,5 @@
-// Floors: the formulas of the four terms, what is measured in their place, and how near the estimates
-// are to the floors that curves end at.
+// Floors: the formulas of the four terms, what is measured in their place, and how near the
+// estimates are to the floors that curves end at.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -100,8 +100,7 @@ TEST_CASE("the integrand's floor is 0.2 u E|f|, at most ulps u E|f|", "[unit][es
   CHECK(*predict_floors(facts).integrand.estimate == Approx(0.2 * 2 * 0x1p-24));
   CHECK(*predict_floors(facts).integrand.bound == 16 * 2 * 0x1p-24);
   facts.mean_abs.reset();
-  CHECK(*predict_floors(facts).integrand.estimate ==
-        Approx(0.2 * std::sqrt(1.25) * 0x1p-24));
+  CHECK(*predict_floors(facts).integrand.estimate == Approx(0.2 * std::sqrt(1.25) * 0x1p-24));
   facts.sd.reset();
   CHECK(*predict_floors(facts).integrand.estimate == Approx(0.2 * 0x1p-24));
   facts.mean.reset();
@@ -143,7 +142,8 @@ TEST_CASE("roundings of a sum average out over its accumulators, unless all term
   exact.variance = 1;
   const Kurtosis kurtosis;
   const CellContext context{plan, exact, kurtosis};
-  // 2^20 samples are 64 blocks of 16 accumulators of 2^10 terms: 2^5 u each, 2^5 of them to average.
+  // 2^20 samples are 64 blocks of 16 accumulators of 2^10 terms: 2^5 u each, 2^5 of them to
+  // average.
   const Floor varying = formula_floors(context, 1 << 20).summation;
   CHECK(*varying.estimate == Approx(0x1p-24).epsilon(1e-6));
   CHECK(*varying.bound == Approx(0x1p10 * 0x1p-24).epsilon(1e-2));
@@ -199,19 +199,18 @@ TEST_CASE("coordinates that are rounded down move means by the grid's floor", "[
 }
 
 TEST_CASE("curves end within a factor of 10 of their estimated floors", "[device]") {
-  struct Scene {
-    const char *text, *sampler;
+  struct Curve {
+    const char *scene, *sampler;
     Precision precision;
   };
-  for (const Scene& scene :
-       {Scene{"genz-gaussian:d=1", "lattice-shift-tent", Precision::fp32},
-        Scene{"halfpi-sin:d=1", "lattice-shift", Precision::fp32},
-        Scene{"annuity-ar1:d=1", "lattice-shift-tent", Precision::fp32},
-        Scene{"expcos:d=2", "lattice-shift", Precision::fp32},
-        Scene{"korobov-b4:d=1", "lattice-shift", Precision::fp64}}) {
-    const CellResult result = run(scene.text, scene.sampler, "2^9..2^18", scene.precision);
-    INFO(scene.text << ": " << result.rate.plateau.level << " at an estimated " << result.floor
-                    << ", " << result.stability.reason);
+  for (const Curve& curve : {Curve{"genz-gaussian:d=1", "lattice-shift-tent", Precision::fp32},
+                             Curve{"halfpi-sin:d=1", "lattice-shift", Precision::fp32},
+                             Curve{"annuity-ar1:d=1", "lattice-shift-tent", Precision::fp32},
+                             Curve{"expcos:d=2", "lattice-shift", Precision::fp32},
+                             Curve{"korobov-b4:d=1", "lattice-shift", Precision::fp64}}) {
+    const CellResult result = run(curve.scene, curve.sampler, "2^9..2^18", curve.precision);
+    INFO(curve.scene << ": " << result.rate.plateau.level << " at an estimated " << result.floor
+                     << ", " << result.stability.reason);
     CHECK(result.stability.verdict == "PLATEAU_NUMERIC");
     CHECK(result.rate.plateau.level < 10 * result.floor);
     CHECK(result.rate.plateau.level > result.floor / 10);

@@ -75,9 +75,10 @@ TEST_CASE("growth between the ends is found, also near 0", "[unit][estimate]") {
   }
 }
 
-TEST_CASE("sampling error and bias are told apart by the mean of the numerical solution, or by the "
-          "replicates",
-          "[unit][estimate]") {
+TEST_CASE(
+    "sampling error and bias are told apart by the mean of the numerical solution, or by the "
+    "replicates",
+    "[unit][estimate]") {
   const std::vector<double> estimates = {3, 3.5, 4, 3.5};
   const OdeReport known = report_ode(estimates, 1.0, 3.5);
   CHECK(*known.sampling_rmse == Approx(std::sqrt(0.125)));
@@ -124,8 +125,7 @@ TEST_CASE("a small bias of the integrator is reported and no fault", "[unit][est
   const CellResult& result = backward.result;
   INFO(result.stability.reason);
   CHECK(result.stability.verdict == "OK");
-  CHECK_THAT(result.stability.reason,
-             Catch::Contains("the bias is that of the floor, integrator"));
+  CHECK_THAT(result.stability.reason, Catch::Contains("the bias is that of the floor, integrator"));
   CHECK(*result.ode->integrator_bias == Approx(0.01 * kIntegral));
 }
 

@@ -35,8 +35,8 @@ std::optional<double> sampled_scale(const CellContext& context);
 // N (E|f|)²/E f² of n samples; 0 where a moment is above all numbers, none where one is not known.
 std::optional<double> effective_samples(const CellContext& context, std::uint64_t n);
 
-// The floors of one replicate of n samples by formulas. `scale` stands for |I| where the integral is
-// not known, `mean_error` as in FloorFacts.
+// The floors of one replicate of n samples by formulas. `scale` stands for |I| where the integral
+// is not known, `mean_error` as in FloorFacts.
 Floors formula_floors(const CellContext& context, std::uint64_t n,
                       const MeasuredFloors& measured = {},
                       const std::optional<Reference>& reference = std::nullopt,
@@ -48,7 +48,8 @@ void assess_row(const CellContext& context, std::span<const double> estimates,
                 std::span<const double> variances, Row& row);
 
 // All that is concluded from the rows of a cell, at least one, which are by ascending n.
-// `rows_of_run` as in PreparedCell::run. May be repeated once more is known: `result.detail` counts.
+// `rows_of_run` as in PreparedCell::run. May be repeated once more is known: `result.detail`
+// counts.
 void assess_cell(const CellContext& context, const std::optional<Reference>& reference,
                  std::size_t rows_of_run, CellResult& result);
 

@@ -61,11 +61,11 @@ using Named = std::pair<std::string_view, std::optional<double>>;
 
 Named largest(const Floors& floors) {
   Named best{"", std::nullopt};
-  for (const Named& each : {Named{"integrator", floors.integrator.estimate},
-                            Named{"coordinate", floors.coordinate.estimate},
-                            Named{"integrand", floors.integrand.estimate},
-                            Named{"summation", floors.summation.estimate},
-                            Named{"reference", floors.reference}}) {
+  for (const Named& each :
+       {Named{"integrator", floors.integrator.estimate},
+        Named{"coordinate", floors.coordinate.estimate},
+        Named{"integrand", floors.integrand.estimate},
+        Named{"summation", floors.summation.estimate}, Named{"reference", floors.reference}}) {
     // A NaN is larger than nothing.
     if (each.second && *each.second > best.second.value_or(0)) best = each;
   }

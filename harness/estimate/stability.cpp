@@ -159,8 +159,7 @@ bool one_rules(std::span<const double> variances) {
 
 }  // namespace
 
-bool is_significant(double mean_error, double sd, std::size_t replicates,
-                    std::size_t rows_of_run) {
+bool is_significant(double mean_error, double sd, std::size_t replicates, std::size_t rows_of_run) {
   const auto size = static_cast<double>(replicates);
   const boost::math::students_t distribution(size - 1);
   const double level = kBiasFalseAlarm / static_cast<double>(rows_of_run);

@@ -20,11 +20,14 @@ namespace koksma {
 
 // In order of priority:
 // NOT_INTEGRABLE       f has no mean, so nothing converges
-// UNSTABLE_INTEGRATOR  f solves a differential equation, and a sample of any row is not finite, above
+// UNSTABLE_INTEGRATOR  f solves a differential equation, and a sample of any row is not finite,
+// above
 //                      10 times the bound of the true solution, or above 1e30 E|f|
-// DOMAIN_FAULT         a sample of any row is not finite, a coordinate lies outside the range of its
+// DOMAIN_FAULT         a sample of any row is not finite, a coordinate lies outside the range of
+// its
 //                      set, or a sample index was not used exactly once
-// UNRESOLVED           n_eff < 30 in one replicate, by the exact moments or those of the samples; no
+// UNRESOLVED           n_eff < 30 in one replicate, by the exact moments or those of the samples;
+// no
 //                      sample other than 0; or, of unknown n_eff, RMSE > E|f|/2
 // PLATEAU_NUMERIC      the curve ends flat at its estimated floor
 // PLATEAU_STRUCTURAL   the curve ends flat above it
@@ -35,10 +38,10 @@ namespace koksma {
 struct CellVerdict {
   std::string_view verdict;             // empty: none can be given, `reason` says why
   std::vector<std::string_view> marks;  // beside any verdict; OVERFLOW: see `CellFacts::overflows`
-  std::string reason;            // what decided, and what could not be tested
-  std::optional<double> n_eff;   // N (E|f|)²/E f² of one replicate
+  std::string reason;                   // what decided, and what could not be tested
+  std::optional<double> n_eff;          // N (E|f|)²/E f² of one replicate
   std::optional<double> empirical_n_eff;  // the same of the samples that were counted
-  std::optional<double> z_bias;  // mean error in its standard errors; R ≥ 2 and sd > 0
+  std::optional<double> z_bias;           // mean error in its standard errors; R ≥ 2 and sd > 0
 };
 
 struct CellFacts {
@@ -48,9 +51,9 @@ struct CellFacts {
   // Of all rows and replicates.
   std::uint64_t nonfinite = 0;             // samples
   std::uint64_t nonfinite_replicates = 0;  // Q_r, also of finite samples
-  bool ode = false;             // f solves a differential equation
-  std::optional<double> bound;  // of |f|, where it does
-  double largest = 0;           // |Q_r|: a sample was at least as large
+  bool ode = false;                        // f solves a differential equation
+  std::optional<double> bound;             // of |f|, where it does
+  double largest = 0;                      // |Q_r|: a sample was at least as large
   // Where the samples were counted (`koksma stability`).
   std::optional<std::uint64_t> blow_ups;      // samples above 10 times the bound, or 1e30 E|f|
   std::optional<std::uint64_t> out_of_range;  // coordinates
@@ -77,8 +80,8 @@ CellVerdict decide_verdict(const CellFacts& facts, std::size_t rows_of_run);
 
 // What a sample, or a pooled one, must show before its errors mean anything.
 struct ResolutionFacts {
-  bool infinite_variance = false;  // then n_eff and the RMSE have no meaning
-  std::optional<double> n_eff;     // by the exact moments
+  bool infinite_variance = false;         // then n_eff and the RMSE have no meaning
+  std::optional<double> n_eff;            // by the exact moments
   std::optional<double> empirical_n_eff;  // (Σ|f|)²/Σf²: blind to what was never hit
   bool hit_nothing = false;               // every sample is 0, though f is not
   std::optional<double> error, mean_abs;  // RMSE, or a standard error; E|f|
@@ -112,8 +115,8 @@ struct IntervalFacts {
 };
 
 // Takes the standard error and the interval away where they mean nothing (no mean, infinite
-// variance, an unresolved sample); says so in `reason`, also where an interval stays that may cover less than
-// it says.
+// variance, an unresolved sample); says so in `reason`, also where an interval stays that may cover
+// less than it says.
 void qualify_interval(Estimate& estimate, const IntervalFacts& facts);
 
 // Of an unresolved sample the interval of the RMSE means nothing.
