@@ -84,7 +84,7 @@ TEST_CASE("every index is used once, for any launch split and around 2^31, 2^32 
   INFO(result.why);
   CHECK(result.ok);
   CHECK(result.checks.size() >= 48);
-  for (const IndexCheck& check : result.checks) CHECK(check.ok());
+  for (const IndexRangeCheck& check : result.checks) CHECK(check.ok());
 }
 
 TEST_CASE("checksums of indices on the host are those of a plain loop, also beyond 2^64", "[unit]") {

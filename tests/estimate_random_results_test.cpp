@@ -212,7 +212,7 @@ void make(Dice& dice, Made& made) {
 
   StabilityDetail& detail = made.result.detail;
   if (dice.one_in(4)) {
-    detail.index = IndexCheck{!dice.one_in(20), !dice.one_in(20), !dice.one_in(20)};
+    detail.index = IndexFlags{!dice.one_in(20), !dice.one_in(20), !dice.one_in(20)};
     made.index_fault = !detail.index->sum_ok || !detail.index->sum_of_squares_ok ||
                        !detail.index->xor_of_hashes_ok;
   }

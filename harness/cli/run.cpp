@@ -126,8 +126,8 @@ class Run {
       slot.prepared =
           std::make_unique<PreparedCell>(catalog_, device_, exact_device, std::move(plan));
     } catch (const UnsupportedError& error) {
-      slot.json =
-          cell_to_json(catalog_, refused_cell(cell, CellStatus::unsupported, error.what()), nullptr);
+      slot.json = cell_to_json(catalog_, refused_cell(cell, CellStatus::unsupported, error.what()),
+                               nullptr);
     } catch (const InputError&) {
       throw;
     } catch (const std::exception& error) {  // a cell that fails, for want of memory too, is a row

@@ -245,7 +245,7 @@ void Integrator::set_counter_arguments(cl::Kernel& kernel, cl_uint arg, const La
       std::size_t{l.blocks} * (kLanes / plan_.shape.lanes_per_item) * l.replicates;
   if (items > counted_items_) {
     counts_ = device_.allocate(items * kCounterWords * sizeof(std::uint64_t));
-    sizes_ = device_.allocate(items * plan_.shape.lanes_per_item * 2 * sizeof(double));
+    sizes_ = device_.allocate(items * 2 * sizeof(double));
     counted_items_ = items;
   }
   set_real(kernel, arg++, blow_up_, plan_.fp64());
@@ -283,8 +283,8 @@ void Integrator::read_counters(const Launch& l) {
                  plan_.fp64() ? std::bit_cast<double>(pattern)
                               : double{std::bit_cast<float>(static_cast<std::uint32_t>(pattern))});
   // Blocks come in order within a replicate whatever the launch split, and so are added.
-  const std::size_t per_replicate = l.blocks * kLanes;
-  read_reals(sizes_, per_replicate * l.replicates * 2, plan_.device_fp64);
+  const std::size_t per_replicate = items / l.replicates;
+  read_reals(sizes_, items * 2, plan_.device_fp64);
   auto size = doubles_.cbegin();
   for (std::vector<double>* sums : {&sums_abs_, &sums_squares_})
     for (std::uint32_t r = 0; r < l.replicates; ++r)

@@ -103,7 +103,7 @@ Json invariance_json(const Invariance& invariance) {
 Json indices_json(const IndexChecks& indices) {
   Json json = outcome(indices.ok, indices.why, indices.seconds);
   bool sum_ok = true, squares_ok = true, xor_ok = true;
-  for (const IndexCheck& check : indices.checks) {
+  for (const IndexRangeCheck& check : indices.checks) {
     sum_ok = sum_ok && check.count_ok && check.sum_ok;
     squares_ok = squares_ok && check.squares_ok;
     xor_ok = xor_ok && check.xor_ok;

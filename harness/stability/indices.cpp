@@ -44,7 +44,7 @@ std::vector<Range> ranges() {
   return result;
 }
 
-void run_check(Integrator& integrator, IndexCheck& check) {
+void run_check(Integrator& integrator, IndexRangeCheck& check) {
   IndexSums sums;
   std::uint64_t* const words[] = {&sums.count, &sums.total, &sums.squares, &sums.mixed};
   const std::uint64_t length = std::uint64_t{1} << check.log2_block;
@@ -91,7 +91,7 @@ IndexChecks check_indices(const Catalog& with_indices, Device& device) {
     for (const Range& range : ranges()) {
       for (const std::optional<std::uint64_t> items : {std::optional<std::uint64_t>(), {1}, {3}}) {
         plan.shape.items_per_launch = items;
-        IndexCheck check;
+        IndexRangeCheck check;
         check.first = range.first_block << range.log2_block;
         check.end = range.end;
         check.lanes_per_item = shape.lanes_per_item;

@@ -23,7 +23,7 @@ struct IndexSums {
 // By the closed forms n(n-1)/2 and (n-1)n(2n-1)/6, and a loop for the XOR.
 IndexSums host_index_sums(std::uint64_t first, std::uint64_t end);
 
-struct IndexCheck {
+struct IndexRangeCheck {
   std::uint64_t first = 0, end = 0;
   std::uint32_t lanes_per_item = 16, log2_block = 8;
   std::optional<std::uint64_t> items_per_launch;
@@ -33,7 +33,7 @@ struct IndexCheck {
 };
 
 struct IndexChecks {
-  std::vector<IndexCheck> checks;
+  std::vector<IndexRangeCheck> checks;
   bool ok = false;
   std::string why;  // also why nothing could be checked: the device lacks fp64, whose words hold an index
   double seconds = 0;

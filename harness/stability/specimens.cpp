@@ -93,7 +93,7 @@ Cell terms_cell(const Catalog& with_terms, const std::string& sum, Precision pre
         return std::find(s.validity.begin(), s.validity.end(), "iid") != s.validity.end();
       });
   Cell cell = specimen_cell(with_terms, n);
-  cell.scene = {kTerms, 2, {0, 0, 0, 0}, kTerms};
+  cell.scene = {kTerms, 2, {0, 0, 0, 0}, {}, kTerms};
   cell.sampler = independent->name;
   cell.precision = precision;
   cell.sum = sum;
@@ -102,7 +102,7 @@ Cell terms_cell(const Catalog& with_terms, const std::string& sum, Precision pre
 
 Cell index_cell(const Catalog& with_indices, std::uint64_t n) {
   Cell cell = specimen_cell(with_indices, n);
-  cell.scene = {kIndices, 1, {}, kIndices};
+  cell.scene = {kIndices, 1, {}, {}, kIndices};
   cell.sampler = kIndices;
   cell.precision = Precision::fp64;
   cell.sum = kIndices;
