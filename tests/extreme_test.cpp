@@ -148,7 +148,8 @@ TEST_CASE("the sampled variance of c + x is 1/12 whatever c, that of a constant 
     INFO(scene << ": " << variance);
     CHECK(std::fabs(variance - 1.0 / 12) < 8 * 5.8e-4);
   }
-  const Row row = prepare("constant:value=0.1", "random", Precision::fp64, 1, "mc").run_row(4096);
+  const Row row =
+      prepare("constant-value:value=0.1", "random", Precision::fp64, 1, "mc").run_row(4096);
   CHECK(*row.estimate.standard_error == 0);
 }
 

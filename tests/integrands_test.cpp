@@ -114,7 +114,9 @@ TEST_CASE("the sampled mean of every default scene meets its exact value", "[sta
     const Row row = prepared.run_row(1 << 12);
     INFO(f.name << ": estimate " << *row.estimate.value << ", exact " << *prepared.exact().mean
                 << ", standard error " << *row.estimate.standard_error);
+    // Adaptive solvers stop at their default tolerance.
+    const double rounding = f.ode_size > 0 ? 1e-8 : 1e-14;
     CHECK(std::fabs(*row.estimate.value - *prepared.exact().mean) <=
-          8 * *row.estimate.standard_error + 1e-14 * std::fabs(*prepared.exact().mean));
+          8 * *row.estimate.standard_error + rounding * std::fabs(*prepared.exact().mean));
   }
 }

@@ -223,8 +223,9 @@ TEST_CASE(
 TEST_CASE("kernel pieces write no raw literals, no ?:, any, all or ~, and no precision or width",
           "[unit]") {
   std::size_t pieces = 0;
-  for (const fs::path& file : files_under(
-           {"kernels/points", "kernels/sums", "kernels/transforms", "integrands"}, {".cl"})) {
+  for (const fs::path& file : files_under({"kernels/points", "kernels/solvers", "kernels/sums",
+                                           "kernels/transforms", "integrands"},
+                                          {".cl"})) {
     ++pieces;
     INFO(file.string());
     CHECK(lint_piece(read_text_file(file), file.parent_path().filename() == "sums") == kNone);

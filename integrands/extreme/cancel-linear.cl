@@ -1,4 +1,4 @@
-// cancel-linear: a (x_1 - 1/2) + x_2: the mean is that of x_2, which fp32 loses beside a = 1e8, where its unit in the last
+// cancel-linear: a (x_1 - 1/2) + x_2: the mean is that of x_2, which fp32 loses beside a = 1e8, whose unit in the last
 // place is 8. The first 2^m points of an unscrambled net are off by a 2^-(m+1).
 #ifdef KOKSMA_EXACT
 static double exact_variance(params q, uint d) { return (q.a * q.a + 1) / 12; }

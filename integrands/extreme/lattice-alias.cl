@@ -1,5 +1,5 @@
-// lattice-alias: cos(2 pi 2^m x): constant on a lattice of N = 2^k <= 2^m points, whose error is 1 unshifted and, with a
-// random shift, 1/sqrt(2) in the root mean square at all those N, worse than Monte Carlo.
+// lattice-alias: cos(2 pi 2^m x): constant on a lattice of N = 2^k <= 2^m points, whose error is 1 unshifted and,
+// with a random shift, 1/sqrt(2) in the root mean square at all those N, worse than Monte Carlo.
 #ifdef KOKSMA_EXACT
 static void integrand_setup(params q, uint d, uint j, double *c) { c[0] = ldexp(1.0, (int)q.m); }
 

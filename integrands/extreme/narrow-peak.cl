@@ -1,5 +1,5 @@
-// narrow-peak: prod_j exp(-(x_j - m_j)^2 / (2 sigma^2)) / (sigma sqrt(2 pi)), m = (1/3, 1/pi, 3/7): points that miss the
-// peak return 0 with a sample variance of 0.
+// narrow-peak: prod_j exp(-(x_j - m_j)^2 / (2 sigma^2)) / (sigma sqrt(2 pi)), m = (1/3, 1/pi, 3/7): points that miss
+// the peak return 0 with a sample variance of 0.
 #ifdef KOKSMA_EXACT
 static double peak(uint j) { return j == 0 ? 1.0 / 3 : (j == 1 ? M_1_PI : 3.0 / 7); }
 

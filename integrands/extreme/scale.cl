@@ -1,5 +1,5 @@
-// scale: 2^e (1 + x), at the ends of the range: denormal numbers (e = -140 in fp32, -1060 in fp64), and sums that overflow
-// though their mean is a number (e = 120 at 2^8 samples in fp32, 1010 at 2^14 in fp64).
+// scale: 2^e (1 + x), at the ends of the range: denormal numbers (e = -140 in fp32, -1060 in fp64), and sums that
+// overflow though their mean is a number (e = 120 at 2^8 samples in fp32, 1010 at 2^14 in fp64).
 #ifdef KOKSMA_EXACT
 static void integrand_setup(params q, uint d, uint j, double *c) { c[0] = ldexp(1.0, (int)q.e); }
 

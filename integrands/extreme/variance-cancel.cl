@@ -1,5 +1,5 @@
-// variance-cancel: c + x: the variance 1/12 is lost in E f^2 - (E f)^2 once 12 c^2 u nears 1, and x itself beside a c of
-// 1 / u.
+// variance-cancel: c + x: the variance 1/12 is lost in E f^2 - (E f)^2 once 12 c^2 u nears 1, and x itself beside
+// a c of 1 / u.
 #ifdef KOKSMA_EXACT
 static double exact_mean(params q, uint d) { return q.c + 0.5; }
 

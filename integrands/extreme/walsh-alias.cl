@@ -1,5 +1,5 @@
-// walsh-alias: the Rademacher function r_m(x) = (-1)^floor(2^(m+1) x), digit m + 1 of x: 2^m points of an unscrambled net
-// all have the digit 0, so their mean is 1 where I = 0; 2^(m+1) points of any net give exactly 0.
+// walsh-alias: the Rademacher function r_m(x) = (-1)^floor(2^(m+1) x), digit m + 1 of x: 2^m points of an unscrambled
+// net all have the digit 0, so their mean is 1 where I = 0; 2^(m+1) points of any net give exactly 0.
 #ifdef KOKSMA_EXACT
 static void integrand_setup(params q, uint d, uint j, double *c) { c[0] = ldexp(1.0, (int)q.m + 1); }
 

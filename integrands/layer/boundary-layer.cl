@@ -1,5 +1,5 @@
-// boundary-layer: prod_j exp(-x_j / eps) / (eps (1 - exp(-1 / eps))): all of the mean comes from a layer of width eps at
-// the faces x_j = 0, which N points see once N eps^d is large.
+// boundary-layer: prod_j exp(-x_j / eps) / (eps (1 - exp(-1 / eps))): all of the mean comes from a layer of width eps
+// at the faces x_j = 0, which N points see once N eps^d is large.
 #ifdef KOKSMA_EXACT
 static void integrand_setup(params q, uint d, uint j, double *c) {
   c[0] = -1 / q.eps;

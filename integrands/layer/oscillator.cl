@@ -1,5 +1,5 @@
-// oscillator: cos((w + 1/3) x): flat until N > w / pi, and a test of the argument: the product rounded in fp32 is off by
-// up to w 2^-25.
+// oscillator: cos((w + 1/3) x): flat until N > w / pi, and a test of the argument: the product rounded in fp32 is off
+// by up to w 2^-25.
 #ifdef KOKSMA_EXACT
 #pragma OPENCL FP_CONTRACT OFF
 static double frequency(params q) { return q.w + 1.0 / 3; }

@@ -1,4 +1,4 @@
-// constant: every sample is the same number: error and variance 0, a stagnating sum shows at once.
+// constant-value: every sample is the same number: error and variance 0, a stagnating sum shows at once.
 #ifdef KOKSMA_EXACT
 static double exact_mean(params q, uint d) { return q.value; }
 #else
