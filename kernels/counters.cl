@@ -15,39 +15,66 @@ typedef mask signed_bits;
 static inline bits ones_of(mask m) { return (word)0 - KOKSMA_AS_BITS(m); }
 #endif
 
+// any_lane of masks whose lanes are 0 or -1, for every sample: PoCL's any() tests lane after lane.
+static inline int some_lane(mask m) {
+#if KOKSMA_LANES_PER_ITEM == 1
+  return m;
+#else
+#if KOKSMA_LANES_PER_ITEM == 4
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = m;
+#elif KOKSMA_LANES_PER_ITEM == 8
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = m.lo | m.hi;
+#else
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 8) half_of = m.lo | m.hi;
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = half_of.lo | half_of.hi;
+#endif
+  const KOKSMA_PASTE(KOKSMA_SIGNED, 2) pair = quarter.lo | quarter.hi;
+  return (pair.x | pair.y) != 0;
+#endif
+}
+
 // The sums of |f| and f^2 are in fp64 where the device has it.
 #if KOKSMA_COUNTERS_FP64
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef double wide_scalar;
-#if KOKSMA_LANES_PER_ITEM == 1
-typedef double wide;
-#define KOKSMA_TO_WIDE convert_double
-#else
-typedef KOKSMA_PASTE(double, KOKSMA_LANES_PER_ITEM) wide;
-#define KOKSMA_TO_WIDE KOKSMA_PASTE(convert_double, KOKSMA_LANES_PER_ITEM)
-#endif
+#define KOKSMA_WIDE double
 #else
 typedef scalar wide_scalar;
-typedef real wide;
-#define KOKSMA_TO_WIDE(y) (y)
+#define KOKSMA_WIDE KOKSMA_FLOAT
+#endif
+// Their 16 lanes are folded to 8 as they come: half the registers, and no more additions.
+#if KOKSMA_LANES_PER_ITEM == 1
+typedef wide_scalar wide, folded;
+#define KOKSMA_TO_WIDE KOKSMA_PASTE(convert_, KOKSMA_WIDE)
+#else
+typedef KOKSMA_PASTE(KOKSMA_WIDE, KOKSMA_LANES_PER_ITEM) wide;
+#define KOKSMA_TO_WIDE KOKSMA_PASTE(KOKSMA_PASTE(convert_, KOKSMA_WIDE), KOKSMA_LANES_PER_ITEM)
+#if KOKSMA_LANES_PER_ITEM == 16
+typedef KOKSMA_PASTE(KOKSMA_WIDE, 8) folded;
+#else
+typedef wide folded;
+#endif
 #endif
 
 typedef struct {
   points inner;
-  // The greatest of the bits of this sample's coordinates, less 1 (0 wraps round to the top), the sign bit flipped to
-  // compare as signed: those in (0,1) lie below all others.
-  signed_bits highest;
+  mask outside;  // samples with a coordinate that is not in (0,1)
   __global const word *table;
   ulong index, n, seed;  // index: of the vector's step, a multiple of 16
   uint replicate, lane;
 } watched_points;
 
-#define KOKSMA_WATCH_LOWEST ((signed_bits)(KOKSMA_SIGNED)KOKSMA_SIGN_BIT)
+// The bits of x, less 1 (0 wraps round to the top) and with the sign bit flipped, to compare as signed, which is the
+// cheaper way with AVX2: those in (0,1) lie below all others.
+static inline mask outside_lanes(real x) {
+  return KOKSMA_AS_SIGNED(KOKSMA_AS_BITS(x) + (KOKSMA_SIGN_BIT - 1)) >
+         (signed_bits)(KOKSMA_SIGNED)(KOKSMA_ONE_PATTERN - 2 + KOKSMA_SIGN_BIT);
+}
 
 static inline void watched_seek(watched_points *p, __global const word *table, ulong first, ulong n, ulong seed,
                                 uint replicate, uint lane) {
   points_seek(&p->inner, table, first, n, seed, replicate, lane);
-  p->highest = KOKSMA_WATCH_LOWEST;
+  p->outside = (mask)0;
   p->table = table;
   p->index = first;
   p->n = n;
@@ -58,41 +85,36 @@ static inline void watched_seek(watched_points *p, __global const word *table, u
 
 static inline real watched_next(watched_points *p) {
   const real x = points_next(&p->inner);
-  p->highest = max(p->highest, KOKSMA_AS_SIGNED(KOKSMA_AS_BITS(x) + (KOKSMA_SIGN_BIT - 1)));
+  p->outside |= outside_lanes(x);
   return x;
 }
 
 static inline void watched_step(watched_points *p) {
   points_step(&p->inner);
-  p->highest = KOKSMA_WATCH_LOWEST;
+  p->outside = (mask)0;
   p->index += KOKSMA_LANES;
 }
 
 static inline uint watched_drawn(const watched_points *p) { return points_drawn(&p->inner); }
-
-// Samples with a coordinate that is not in (0,1).
-static inline mask outside_lanes(const watched_points *p) {
-  return p->highest > (signed_bits)(KOKSMA_SIGNED)(KOKSMA_ONE_PATTERN - 2 + KOKSMA_SIGN_BIT);
-}
 
 // Counts by lane, so that a sample adds nothing across them.
 typedef struct {
   bits zero;  // samples f = +-0; all others are hits
   bits nan, plus_inf, minus_inf, denormal, blow_up;
   bits coordinate_le0, coordinate_ge1;
-  real largest;               // |f|, of finite samples
-  wide sum_abs, sum_squares;  // of f times the scale, finite samples
+  signed_bits largest;        // the bits of the greatest |f| of finite samples
+  folded sum_abs, sum_squares;  // of f times the scale, finite samples
 } counters;
 
 static inline void counters_init(counters *k) {
   const bits none = (bits)(word)0;
   k->zero = k->nan = k->plus_inf = k->minus_inf = k->denormal = k->blow_up = none;
   k->coordinate_le0 = k->coordinate_ge1 = none;
-  k->largest = R(0.0);
-  k->sum_abs = k->sum_squares = KOKSMA_TO_WIDE(R(0.0));
+  k->largest = (signed_bits)(KOKSMA_SIGNED)0;
+  k->sum_abs = k->sum_squares = (folded)(wide_scalar)0;
 }
 
-// The watch does not tell which coordinate it was: the sample's coordinates are drawn again.
+// The mask does not tell which coordinate it was: the sample's coordinates are drawn again.
 static inline void count_coordinates(counters *k, const watched_points *p, mask valid) {
   points again;
   points_seek(&again, p->table, p->index, p->n, p->seed, p->replicate, p->lane);
@@ -120,10 +142,6 @@ static inline real count_exceptional(counters *k, real y, bits size, word limit)
   k->minus_inf += ones_of(is_inf & negative);
   k->denormal += ones_of(denormal);
   k->blow_up += ones_of((size > (bits)limit) & not_lanes(is_nan));
-  // A denormal is the largest only where all before it are, or 0; their bits are in order.
-  const bits largest = KOKSMA_AS_BITS(k->largest);
-  const bits candidate = size & ((word)0 - ones_of(denormal));
-  k->largest = KOKSMA_AS_REAL(max(largest, candidate));
   return KOKSMA_AS_REAL(KOKSMA_AS_BITS(y) & ((word)0 - ones_of(not_lanes(is_nan | is_inf))));
 }
 
@@ -134,20 +152,25 @@ static inline void count_samples(counters *k, real y, const watched_points *p, m
   const bits size = KOKSMA_AS_BITS(y) & (bits)(KOKSMA_SIGN_BIT - 1);
   const signed_bits above = KOKSMA_AS_SIGNED(size + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
   const mask odd = above > (signed_bits)(KOKSMA_SIGNED)(limit + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
-  const mask outside = outside_lanes(p) & valid;
-  if (any_lane(odd | outside)) {
+  const mask outside = p->outside & valid;
+  if (some_lane(odd | outside)) {
     const mask zero = size == (bits)(word)0;
     k->zero += ones_of(zero);
-    if (any_lane((odd & not_lanes(zero)) | outside)) {
+    if (some_lane((odd & not_lanes(zero)) | outside)) {
       y = count_exceptional(k, y, size, limit);
-      if (any_lane(outside)) count_coordinates(k, p, valid);
+      if (some_lane(outside)) count_coordinates(k, p, valid);
     }
   }
-  const real magnitude = fabs(y);
-  k->largest = select_real(magnitude > k->largest, magnitude, k->largest);
+  const real magnitude = KOKSMA_AS_REAL(KOKSMA_AS_BITS(y) & (bits)(KOKSMA_SIGN_BIT - 1));
+  k->largest = max(k->largest, KOKSMA_AS_SIGNED(magnitude));
   const wide scaled = KOKSMA_TO_WIDE(magnitude) * scale;
+#if KOKSMA_LANES_PER_ITEM == 16
+  k->sum_abs += scaled.lo + scaled.hi;
+  k->sum_squares = fma(scaled.lo, scaled.lo, fma(scaled.hi, scaled.hi, k->sum_squares));
+#else
   k->sum_abs += scaled;
   k->sum_squares = fma(scaled, scaled, k->sum_squares);
+#endif
 }
 
 static inline ulong sum_lanes(bits count) {
@@ -158,19 +181,30 @@ static inline ulong sum_lanes(bits count) {
   return sum;
 }
 
-static inline ulong largest_pattern(real value) {
+static inline ulong largest_lane(bits values) {
   ulong most = 0;
   word lanes[KOKSMA_LANES_PER_ITEM];
-  store_lanes(KOKSMA_AS_BITS(value), lanes);
+  store_lanes(values, lanes);
   for (uint l = 0; l < KOKSMA_LANES_PER_ITEM; ++l) most = max(most, (ulong)lanes[l]);
   return most;
 }
 
-// counts: this item's place in the first counter, `stride` apart, in the order of CounterWord (integrator.cpp);
+static inline wide_scalar total_of(folded sums) {
+  wide_scalar sum = 0;
+  wide_scalar lanes[sizeof(folded) / sizeof(wide_scalar)];
+#if KOKSMA_LANES_PER_ITEM == 16
+  vstore8(sums, 0, lanes);
+#else
+  store_lanes(sums, lanes);
+#endif
+  for (uint l = 0; l < sizeof(folded) / sizeof(wide_scalar); ++l) sum += lanes[l];
+  return sum;
+}
+
+// counts, sizes: this item's place in the first word of either, `stride` apart; integrator.cpp knows their order.
 // samples: lanes that were taken, those beyond n too, which hold f = 0.
-// sizes: this item's lanes of sum |f|, then `sums_stride` on those of sum f^2.
-static inline void counters_store(const counters *k, ulong samples, __global ulong *counts, ulong stride,
-                                  __global wide_scalar *sizes, ulong sums_stride) {
+static inline void counters_store(const counters *k, ulong samples, __global ulong *counts,
+                                  __global wide_scalar *sizes, ulong stride) {
   counts[0] = sum_lanes(k->nan);
   counts[stride] = sum_lanes(k->plus_inf);
   counts[2 * stride] = sum_lanes(k->minus_inf);
@@ -179,11 +213,12 @@ static inline void counters_store(const counters *k, ulong samples, __global ulo
   counts[5 * stride] = sum_lanes(k->coordinate_ge1);
   counts[6 * stride] = samples - sum_lanes(k->zero);
   counts[7 * stride] = sum_lanes(k->blow_up);
-  counts[8 * stride] = largest_pattern(k->largest);
-  store_lanes(k->sum_abs, sizes);
-  store_lanes(k->sum_squares, sizes + sums_stride);
+  counts[8 * stride] = largest_lane(KOKSMA_AS_BITS(k->largest));
+  sizes[0] = total_of(k->sum_abs);
+  sizes[stride] = total_of(k->sum_squares);
 }
 
+#undef inline
 #define points watched_points
 #define points_seek watched_seek
 #define points_next watched_next

@@ -5,8 +5,7 @@
 //   out[((word * replicates + replicate) * blocks + block) * 16 + lane], the words of sum y first,
 //   then (KOKSMA_MOMENTS == 2) those of the squares of squared_term
 // KOKSMA_COUNTERS: the samples are counted too (counters.cl); the sums stay the same bits.
-//   counts[((counter * replicates + replicate) * blocks + block) * 16 / W + group]
-//   sizes[((word * replicates + replicate) * blocks + block) * 16 + lane], sum |f scale|, then sum (f scale)^2
+//   counts, sizes[((word * replicates + replicate) * blocks + block) * 16 / W + group]
 #if KOKSMA_LANES_PER_ITEM == 1
 static inline mask lanes_below(uint lane, uint count) { return lane < count; }
 #else
@@ -108,8 +107,8 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
   sum_store(&squares, out + KOKSMA_SUM_WORDS * stride, stride);
 #endif
 #if KOKSMA_COUNTERS
-  counts += (replicate * blocks + block) * groups + lane / KOKSMA_LANES_PER_ITEM;
-  sizes += (replicate * blocks + block) * KOKSMA_LANES + lane;
-  counters_store(&k, (ulong)steps * KOKSMA_LANES_PER_ITEM, counts, blocks * groups * get_global_size(1), sizes, stride);
+  const ulong place = (replicate * blocks + block) * groups + lane / KOKSMA_LANES_PER_ITEM;
+  counters_store(&k, (ulong)steps * KOKSMA_LANES_PER_ITEM, counts + place, sizes + place,
+                 blocks * groups * get_global_size(1));
 #endif
 }

@@ -142,3 +142,9 @@ static inline real unit_from_word(bits w) {
 #define points_step unrotated_step
 #define points_drawn unrotated_drawn
 #endif
+
+#if KOKSMA_COUNTERS
+// Until the end of counters.cl: compilers keep functions that are called from two places apart, and the state of
+// the points with them out of registers.
+#define inline inline __attribute__((always_inline))
+#endif

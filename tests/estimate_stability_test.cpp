@@ -2,6 +2,7 @@
 // intervals that are taken back; two real cells.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <span>
 #include <vector>
@@ -73,9 +74,12 @@ TEST_CASE("each fault has its verdict, and the first that applies is given", "[u
   facts.plateau.kind = PlateauKind::structural;
   facts.n_eff = 29.9;
   facts.nonfinite = 3;
+  facts.ode = true;
   facts.mean_undefined = true;
   CHECK(decide_verdict(facts, 1).verdict == "NOT_INTEGRABLE");
   facts.mean_undefined = false;
+  CHECK(decide_verdict(facts, 1).verdict == "UNSTABLE_INTEGRATOR");
+  facts.ode = false;
   CHECK(decide_verdict(facts, 1).verdict == "DOMAIN_FAULT");
   CHECK_THAT(decide_verdict(facts, 1).reason, Contains("3 samples"));
   facts.nonfinite = 0;
@@ -94,6 +98,97 @@ TEST_CASE("each fault has its verdict, and the first that applies is given", "[u
   CHECK(sound_verdict.reason.empty());
   CHECK(*sound_verdict.n_eff == 30);
   CHECK(std::fabs(*sound_verdict.z_bias) < 1e-9);
+}
+
+TEST_CASE("an integrator is unstable where a sample leaves the bound of the true solution",
+          "[unit][estimate]") {
+  const auto verdict_of = [](const CellFacts& facts) { return decide_verdict(facts, 1).verdict; };
+  CellFacts facts = sound();
+  facts.ode = true;
+  facts.bound = 2;
+  facts.largest = 20;
+  facts.blow_ups = 0;
+  CHECK(verdict_of(facts) == "OK");
+  // A mean above the limit tells of a sample above it, counted or not.
+  facts.largest = 20.1;
+  CHECK(verdict_of(facts) == "UNSTABLE_INTEGRATOR");
+  facts.bound.reset();
+  CHECK(verdict_of(facts) == "OK");
+  facts.largest = 1.1e30;
+  CHECK(verdict_of(facts) == "UNSTABLE_INTEGRATOR");
+  facts.largest = 1;
+  facts.blow_ups = 1;
+  CHECK(verdict_of(facts) == "UNSTABLE_INTEGRATOR");
+  // The same of another f is a matter of f.
+  facts.ode = false;
+  CHECK(verdict_of(facts) == "OK");
+}
+
+TEST_CASE("what is no number, out of range or not used once is a fault of the domain",
+          "[unit][estimate]") {
+  const auto fault = [](const std::function<void(CellFacts&)>& change, const std::string& why) {
+    CellFacts facts = sound();
+    facts.n_eff = 1;
+    change(facts);
+    const CellVerdict verdict = decide_verdict(facts, 1);
+    INFO(why);
+    CHECK(verdict.verdict == "DOMAIN_FAULT");
+    CHECK_THAT(verdict.reason, Contains(why));
+  };
+  fault([](CellFacts& f) { f.nonfinite = 1; }, "samples of all rows are not finite");
+  fault([](CellFacts& f) { f.nonfinite_replicates = 1; }, "sums of 1 replicates");
+  fault([](CellFacts& f) { f.out_of_range = 1; }, "outside the range");
+  fault([](CellFacts& f) { f.index_fault = true; }, "not used exactly once");
+  CellFacts counted = sound();
+  counted.out_of_range = 0;
+  CHECK(decide_verdict(counted, 1).verdict == "OK");
+}
+
+TEST_CASE("samples that were counted decide where the exact moments do not", "[unit][estimate]") {
+  CellFacts facts = sound();
+  facts.empirical_n_eff = 29;
+  CHECK(decide_verdict(facts, 1).verdict == "UNRESOLVED");
+  CHECK_THAT(decide_verdict(facts, 1).reason, Contains("of the samples"));
+  facts.empirical_n_eff = 30;
+  CHECK(decide_verdict(facts, 1).verdict == "OK");
+  facts.hits = 0;
+  CHECK(decide_verdict(facts, 1).verdict == "UNRESOLVED");
+  // f = 0 is hit nowhere.
+  facts.mean_abs = 0;
+  CHECK(decide_verdict(facts, 1).verdict == "OK");
+}
+
+TEST_CASE("OVERFLOW stands beside any verdict", "[unit][estimate]") {
+  CellFacts facts = sound();
+  CHECK(decide_verdict(facts, 1).marks.empty());
+  facts.overflows = true;
+  for (const bool fault : {false, true}) {
+    facts.index_fault = fault;
+    const CellVerdict verdict = decide_verdict(facts, 1);
+    CHECK(verdict.verdict == (fault ? "DOMAIN_FAULT" : "OK"));
+    REQUIRE(verdict.marks.size() == 1);
+    CHECK(verdict.marks[0] == "OVERFLOW");
+  }
+}
+
+TEST_CASE("an error above E|f|/2 is unresolved where n_eff is not known, and not at the floor",
+          "[unit][estimate]") {
+  ResolutionFacts facts;
+  facts.error = 0.51;
+  facts.mean_abs = 1;
+  CHECK(why_unresolved(facts) == "RMSE > E|f|/2");
+  facts.floor = 0.18;
+  CHECK(why_unresolved(facts).empty());
+  facts.floor = 0;
+  // A lattice that aliases has enough samples, and the wrong ones.
+  facts.n_eff = 30;
+  CHECK(why_unresolved(facts).empty());
+  facts.n_eff = 29.9;
+  CHECK(why_unresolved(facts) == "n_eff below 30");
+  facts.infinite_variance = true;
+  CHECK(why_unresolved(facts).empty());
+  facts.hit_nothing = true;
+  CHECK(why_unresolved(facts) == "every sample of f is 0");
 }
 
 TEST_CASE("a cell that is not gated is OK and says why it is not", "[unit][estimate]") {
@@ -152,7 +247,9 @@ TEST_CASE("a bias within three floors is that of the floor", "[unit][estimate]")
   CellFacts facts = biased();
   facts.floor = *facts.errors.bias / 2.9;
   CHECK(decide_verdict(facts, 1).verdict == "OK");
-  CHECK_THAT(decide_verdict(facts, 1).reason, Contains("the bias is that of the floor"));
+  facts.floor_from = "integrator";
+  CHECK_THAT(decide_verdict(facts, 1).reason,
+             Contains("the bias is that of the floor, integrator"));
   facts.floor = *facts.errors.bias / 3.1;
   CHECK(decide_verdict(facts, 1).verdict == "BIASED");
 }
@@ -217,7 +314,7 @@ TEST_CASE("an interval that the samples cannot support is taken back, with the r
     CHECK(estimate.reason == why);
   };
   IntervalFacts facts;
-  facts.n_eff = 29;
+  facts.unresolved = "n_eff below 30";
   taken_back(facts, "no interval: n_eff below 30");
   facts.infinite_variance = true;
   taken_back(facts, "no interval: the variance is infinite");
@@ -238,7 +335,6 @@ TEST_CASE("an interval that may not cover stays and says so", "[unit][estimate]"
     return estimate.reason;
   };
   IntervalFacts facts;
-  facts.n_eff = 30;
   facts.excess_of_mean = 0.09;
   CHECK(reason_with(facts).empty());
   facts.excess_of_mean = 0.1;
@@ -316,7 +412,13 @@ TEST_CASE("the table shows the verdict that is not OK, and of infinite variance 
   };
   CHECK_THAT(first_cell(), !Contains("OK"));
   json["stability"]["verdict"] = "PLATEAU_STRUCTURAL";
-  CHECK_THAT(first_cell(), Contains("PLATEAU_STRUCTURAL"));
+  CHECK_THAT(first_cell(), Contains("PLATEAU_STRUCTURAL") && !Contains("OVERFLOW"));
+  json["stability"]["marks"].push_back("OVERFLOW");
+  json["stability"]["ode"] = {{"relative_bias", 32.0}};
+  CHECK_THAT(first_cell(), Contains("OVERFLOW") && Contains("integrator bias +3.2e+03 %"));
+  json["stability"]["verdict"] = "PLATEAU_NUMERIC";
+  json["stability"]["floors"]["dominant"] = "integrator";
+  CHECK_THAT(first_cell(), Contains("PLATEAU_NUMERIC") && Contains("floor: integrator"));
   json["stability"]["infinite_variance"] = true;
   json["convergence"]["rate"] = nullptr;
   json["convergence"]["median_rate"] = -0.25;

@@ -1,11 +1,12 @@
 // The cases of `koksma stability`: what entries list, what is demanded of them, and what the suite
 // concludes from their outcomes.
+#include "stability/suite.hpp"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "error/error.hpp"
 #include "stability/gap.hpp"
-#include "stability/suite.hpp"
 #include "stability/suite_run.hpp"
 #include "tests/support.hpp"
 
@@ -97,10 +98,9 @@ TEST_CASE("a demand names what is not met", "[unit]") {
 
 TEST_CASE("floors are within a factor of ten, or are exceptions; those not reached do not count",
           "[unit]") {
-  const auto comparison = compare_floors({with_floors(1e-8, 9e-8), with_floors(1e-8, 1.1e-9),
-                                          with_floors(1e-8, 2e-7), with_floors(1e-8, 9e-10),
-                                          with_floors(1e-8, std::nullopt),
-                                          with_floors(std::nullopt, 1e-8)});
+  const auto comparison = compare_floors(
+      {with_floors(1e-8, 9e-8), with_floors(1e-8, 1.1e-9), with_floors(1e-8, 2e-7),
+       with_floors(1e-8, 9e-10), with_floors(1e-8, std::nullopt), with_floors(std::nullopt, 1e-8)});
   CHECK(comparison.reached == 5);
   CHECK(comparison.within_ten == 2);
   CHECK(comparison.exceptions.size() == 3);

@@ -34,18 +34,6 @@ struct Slot {
   std::unique_ptr<PreparedCell> prepared;
 };
 
-CellResult refused(const Cell& cell, CellStatus status, const std::string& reason) {
-  CellResult result;
-  result.cell = cell;
-  result.status = status;
-  result.reason = reason;
-  result.rate.reason = "the cell did not run";
-  result.verdict.verdict = "no-rate";
-  result.verdict.reason = result.rate.reason;
-  result.stability.reason = result.rate.reason;
-  return result;
-}
-
 class Run {
  public:
   Run(const RunOptions& options, const Catalog& catalog, const Study& study, Device& device,
@@ -138,8 +126,8 @@ class Run {
       slot.prepared =
           std::make_unique<PreparedCell>(catalog_, device_, exact_device, std::move(plan));
     } catch (const UnsupportedError& error) {
-      slot.json =
-          cell_to_json(catalog_, refused(cell, CellStatus::unsupported, error.what()), nullptr);
+      slot.json = cell_to_json(catalog_, refused_cell(cell, CellStatus::unsupported, error.what()),
+                               nullptr);
     } catch (const InputError&) {
       throw;
     } catch (const std::exception& error) {  // a cell that fails, for want of memory too, is a row
@@ -157,7 +145,7 @@ class Run {
     failed_ = true;
     progress_.clear();
     fmt::print(stderr, "koksma: {} with {}: {}\n", cell.scene.text, cell.sampler, reason);
-    slot.json = cell_to_json(catalog_, refused(cell, CellStatus::failed, reason), nullptr);
+    slot.json = cell_to_json(catalog_, refused_cell(cell, CellStatus::failed, reason), nullptr);
   }
 
   Json finish(const Cell& cell, Slot& slot) {

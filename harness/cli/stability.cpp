@@ -21,10 +21,10 @@ struct StabilityOptions {
 };
 
 std::string progress_line(const CaseOutcome& outcome) {
-  return fmt::format("{} with {}: {}", outcome.cell["scene"]["text"].get<std::string>(),
-                     outcome.cell["sampler"].get<std::string>(),
-                     outcome.verdict.empty() ? outcome.cell["status"].get<std::string>()
-                                             : outcome.verdict);
+  return fmt::format(
+      "{} with {}: {}", outcome.cell["scene"]["text"].get<std::string>(),
+      outcome.cell["sampler"].get<std::string>(),
+      outcome.verdict.empty() ? outcome.cell["status"].get<std::string>() : outcome.verdict);
 }
 
 int stability(const StabilityOptions& options, const std::string& command_line) {
@@ -46,6 +46,7 @@ int stability(const StabilityOptions& options, const std::string& command_line) 
   progress.stage("checks of the device");
   const DeviceChecks checks = run_device_checks(catalog, device);
   SuiteOptions suite_options;
+  suite_options.checks = &checks;
   suite_options.fast_math = options.fast_math;
   suite_options.progress = [&](std::size_t, const CaseOutcome& outcome) {
     progress.finished(progress_line(outcome));

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 namespace koksma {
 namespace {
@@ -39,6 +40,21 @@ std::string trimmed(std::string text) {
   return text;
 }
 
+std::string fp_config_text(cl_device_fp_config config) {
+  std::string text;
+  for (const auto& [flag, name] :
+       {std::pair<cl_device_fp_config, const char*>{CL_FP_DENORM, "DENORM"},
+        {CL_FP_INF_NAN, "INF_NAN"},
+        {CL_FP_ROUND_TO_NEAREST, "ROUND_TO_NEAREST"},
+        {CL_FP_ROUND_TO_ZERO, "ROUND_TO_ZERO"},
+        {CL_FP_ROUND_TO_INF, "ROUND_TO_INF"},
+        {CL_FP_FMA, "FMA"},
+        {CL_FP_SOFT_FLOAT, "SOFT_FLOAT"},
+        {CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, "CORRECTLY_ROUNDED_DIVIDE_SQRT"}})
+    if ((config & flag) != 0) text += fmt::format("{}{}", text.empty() ? "" : "|", name);
+  return text;
+}
+
 DeviceFacts facts_of(const cl::Platform& platform, const cl::Device& device) {
   DeviceFacts f;
   f.platform = trimmed(platform.getInfo<CL_PLATFORM_NAME>());
@@ -48,6 +64,8 @@ DeviceFacts facts_of(const cl::Platform& platform, const cl::Device& device) {
   f.version = trimmed(device.getInfo<CL_DEVICE_VERSION>());
   f.is_cpu = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
   f.fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
+  f.fp_config32 = fp_config_text(device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>());
+  f.fp_config64 = fp_config_text(device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>());
   f.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
   f.max_work_group_size = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
   f.max_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();

@@ -230,10 +230,10 @@ bool Integrator::counts(const cl::Kernel& kernel) const {
 }
 
 void Integrator::count_against(double blow_up, double typical) {
-  const double most = plan_.fp64() ? std::numeric_limits<double>::max()
-                                   : double{std::numeric_limits<float>::max()};
-  const double least = plan_.fp64() ? std::numeric_limits<double>::min()
-                                    : double{std::numeric_limits<float>::min()};
+  const double most =
+      plan_.fp64() ? std::numeric_limits<double>::max() : double{std::numeric_limits<float>::max()};
+  const double least =
+      plan_.fp64() ? std::numeric_limits<double>::min() : double{std::numeric_limits<float>::min()};
   blow_up_ = std::clamp(blow_up, least, most);
   // The kernel multiplies by 1 / unit, which must be a normal number too.
   const int range = plan_.device_fp64 ? 1022 : 126;
@@ -245,7 +245,7 @@ void Integrator::set_counter_arguments(cl::Kernel& kernel, cl_uint arg, const La
       std::size_t{l.blocks} * (kLanes / plan_.shape.lanes_per_item) * l.replicates;
   if (items > counted_items_) {
     counts_ = device_.allocate(items * kCounterWords * sizeof(std::uint64_t));
-    sizes_ = device_.allocate(items * plan_.shape.lanes_per_item * 2 * sizeof(double));
+    sizes_ = device_.allocate(items * 2 * sizeof(double));
     counted_items_ = items;
   }
   set_real(kernel, arg++, blow_up_, plan_.fp64());
@@ -278,13 +278,13 @@ void Integrator::read_counters(const Launch& l) {
         &counters_.coord_le0, &counters_.coord_ge1, &counters_.hits, &counters_.blow_ups})
     for (const std::uint64_t count : word(k++)) *total += count;
   for (const std::uint64_t pattern : word(k))
-    counters_.max_abs = std::max(
-        counters_.max_abs,
-        plan_.fp64() ? std::bit_cast<double>(pattern)
-                     : double{std::bit_cast<float>(static_cast<std::uint32_t>(pattern))});
+    counters_.max_abs =
+        std::max(counters_.max_abs,
+                 plan_.fp64() ? std::bit_cast<double>(pattern)
+                              : double{std::bit_cast<float>(static_cast<std::uint32_t>(pattern))});
   // Blocks come in order within a replicate whatever the launch split, and so are added.
-  const std::size_t per_replicate = l.blocks * kLanes;
-  read_reals(sizes_, per_replicate * l.replicates * 2, plan_.device_fp64);
+  const std::size_t per_replicate = items / l.replicates;
+  read_reals(sizes_, items * 2, plan_.device_fp64);
   auto size = doubles_.cbegin();
   for (std::vector<double>* sums : {&sums_abs_, &sums_squares_})
     for (std::uint32_t r = 0; r < l.replicates; ++r)

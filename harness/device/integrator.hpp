@@ -23,7 +23,8 @@ struct Counters {
   std::uint64_t samples = 0;
   std::uint64_t nan = 0, plus_inf = 0, minus_inf = 0;
   // Values f, and (once per cell) parameters and coefficients as the kernel holds them, that are
-  // denormal. Coordinates never are: they are 0 or at least half a unit of the last bit kept, 2^-53.
+  // denormal. Coordinates never are: they are 0 or at least half a unit of the last bit kept,
+  // 2^-53.
   std::uint64_t denorm_out = 0, denorm_in = 0;
   // Samples with a coordinate <= 0, and with one >= 1 or NaN.
   std::uint64_t coord_le0 = 0, coord_ge1 = 0;
@@ -52,8 +53,8 @@ class Integrator {
              const std::vector<std::byte>& table);
 
   // What samples are counted against: |f| above `blow_up` is a blow-up (clamped to the normal
-  // numbers of the cell's precision); `typical`: about E|f|, above 0, for the unit of the sums. To be
-  // called before samples are counted; at first nothing finite is a blow-up and the unit is 1.
+  // numbers of the cell's precision); `typical`: about E|f|, above 0, for the unit of the sums. To
+  // be called before samples are counted; at first nothing finite is a blow-up and the unit is 1.
   void count_against(double blow_up, double typical);
 
   // Sums samples 0 … n-1 of every replicate of the plan; y0 is subtracted before squaring. Returns

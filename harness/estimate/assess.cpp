@@ -25,6 +25,8 @@ bool declares(const std::vector<std::string>& values, std::string_view value) {
   return std::find(values.begin(), values.end(), value) != values.end();
 }
 
+bool is_finite(double value) { return std::isfinite(value); }
+
 bool solves_ode(const CellContext& context) { return context.plan.integrand->ode_size > 0; }
 
 // E of floors. The means over many accumulators average their roundings out, unless all add the same
@@ -282,6 +284,7 @@ CellFacts facts_of(const CellContext& context, const CellResult& result) {
     facts.index_fault = !result.detail.index->sum_ok || !result.detail.index->sum_of_squares_ok ||
                         !result.detail.index->xor_of_hashes_ok;
   facts.n_eff = effective_samples(context, last.n);
+  facts.empirical_n_eff = empirical_n_eff(context, last);
   facts.errors = last.errors;
   if (context.kurtosis.excess) facts.excess_of_mean = *context.kurtosis.excess / samples;
   facts.unbounded_tail = context.kurtosis.unbounded;
@@ -390,8 +393,14 @@ void assess_row(const CellContext& context, std::span<const double> estimates,
   row.estimates = estimator.replicates_per_estimate > 1
                       ? group_medians(estimates, estimator.replicates_per_estimate)
                       : std::vector<double>(estimates.begin(), estimates.end());
+  // A sum that swallowed a sample which is not finite is none.
+  std::vector<double> all(estimates.begin(), estimates.end());
+  if (row.nonfinite > 0 && std::all_of(all.begin(), all.end(), is_finite)) {
+    std::fill(all.begin(), all.end(), NAN);
+    std::fill(row.estimates.begin(), row.estimates.end(), NAN);
+  }
   row.errors = summarise_errors(row.estimates, context.exact.mean);
-  row.estimate = summarise_estimate(estimator, {estimates, variances, row.n});
+  row.estimate = summarise_estimate(estimator, {all, variances, row.n});
   row.unresolved = why_row_unresolved(context, row);
   qualify(context, variances, row);
   row.mc_test = variance_test(context, row);

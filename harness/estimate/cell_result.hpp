@@ -48,7 +48,7 @@ enum class CellStatus { ok, skipped, unsupported, failed };
 std::string_view status_name(CellStatus status);
 
 // What `koksma stability` measures beside a cell; absent what it did not.
-struct IndexCheck {  // of all sample indices of the largest N, modulo 2^64
+struct IndexFlags {  // of all sample indices of the largest N, modulo 2^64
   bool sum_ok = false, sum_of_squares_ok = false, xor_of_hashes_ok = false;
 };
 struct Reproducibility {  // of one estimate over launch shapes
@@ -61,7 +61,7 @@ struct PrecisionGap {               // at the same integer points
 };
 struct StabilityDetail {
   MeasuredFloors floors;
-  std::optional<IndexCheck> index;
+  std::optional<IndexFlags> index;
   std::optional<Reproducibility> reproducibility;
   std::optional<bool> eft_selftest;  // error-free transformations hold on the device
   std::optional<PrecisionGap> precision_gap;
@@ -84,5 +84,8 @@ struct CellResult {
   RateVerdict verdict;
   CellVerdict stability;
 };
+
+// A cell that did not run, with why in every place where a reader looks for a number.
+CellResult refused_cell(const Cell& cell, CellStatus status, const std::string& reason);
 
 }  // namespace koksma

@@ -34,9 +34,12 @@ Floor coordinate_floor(const FloorFacts& facts) {
   const double half_unit = std::ldexp(1.0, -static_cast<int>(facts.coordinate_bits) - 1);
   Floor floor;
   floor.reason = "coordinates are rounded down";
-  if (facts.variation) floor.bound = half_unit * *facts.variation;
   if (facts.sd) floor.estimate = half_unit * std::sqrt(12.0 * facts.dim) * *facts.sd;
-  if (floor.bound) floor.estimate = std::min(floor.estimate.value_or(*floor.bound), *floor.bound);
+  if (facts.variation) {
+    const double most = half_unit * *facts.variation;
+    floor.estimate = std::min(floor.estimate.value_or(most), most);
+    floor.bound = 2 * most;  // every coordinate by a whole unit
+  }
   if (!floor.estimate) floor.reason += ", but neither variance nor variation of f is known";
   return floor;
 }

@@ -98,13 +98,17 @@ std::string why_cell_unresolved(const CellFacts& facts) {
   ResolutionFacts resolution;
   resolution.infinite_variance = facts.infinite_variance;
   resolution.n_eff = facts.n_eff;
+  resolution.empirical_n_eff = facts.empirical_n_eff;
   const double estimate = facts.errors.mean.value_or(1);
   resolution.hit_nothing =
       hit_nothing(facts.mean, facts.mean_abs, std::span(&estimate, 1), facts.hits);
   const std::string reason = why_unresolved(resolution);
   if (reason.empty()) return facts.unresolved_row;
   if (resolution.hit_nothing) return reason;
-  return fmt::format("n_eff = {:.2g} of one replicate is below 30", *facts.n_eff);
+  const bool exactly = facts.n_eff && !(*facts.n_eff >= kFewestEffective);
+  return fmt::format("n_eff = {:.2g} of {} is below 30",
+                     exactly ? *facts.n_eff : *facts.empirical_n_eff,
+                     exactly ? "one replicate" : "the samples of one replicate");
 }
 
 void decide_on_errors(const CellFacts& facts, const BiasTest& bias, CellVerdict& result) {
@@ -188,6 +192,7 @@ std::string why_unresolved(const ResolutionFacts& facts) {
 CellVerdict decide_verdict(const CellFacts& facts, std::size_t rows_of_run) {
   CellVerdict result;
   result.n_eff = facts.n_eff;
+  result.empirical_n_eff = facts.empirical_n_eff;
   if (facts.overflows) result.marks.emplace_back("OVERFLOW");
   const auto decided = [&result](std::string_view verdict, std::string reason) {
     if (reason.empty()) return false;

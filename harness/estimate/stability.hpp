@@ -37,6 +37,7 @@ struct CellVerdict {
   std::vector<std::string_view> marks;  // beside any verdict; OVERFLOW: see `CellFacts::overflows`
   std::string reason;            // what decided, and what could not be tested
   std::optional<double> n_eff;   // N (E|f|)²/E f² of one replicate
+  std::optional<double> empirical_n_eff;  // the same of the samples that were counted
   std::optional<double> z_bias;  // mean error in its standard errors; R ≥ 2 and sd > 0
 };
 
@@ -56,7 +57,7 @@ struct CellFacts {
   std::optional<std::uint64_t> hits;          // samples other than 0
   bool index_fault = false;
   // Of the row of the largest N.
-  std::optional<double> n_eff;
+  std::optional<double> n_eff, empirical_n_eff;
   ErrorStatistics errors;
   std::optional<double>
       excess_of_mean;              // excess kurtosis of Q_r, where the samples are independent

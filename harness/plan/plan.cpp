@@ -72,6 +72,8 @@ void set_precision(Plan& plan, Precision precision, const DeviceFacts& device) {
                                        offered.front()));
   plan.max_allocation = device.max_allocation;
   plan.device_fp64 = device.fp64;
+  plan.fp_config32 = device.fp_config32;
+  plan.fp_config64 = device.fp_config64;
   plan.precision = precision;
   plan.coordinate_bits = plan.fp64() && !plan.coarse_coordinates ? 52 : 23;
 }

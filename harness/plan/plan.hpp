@@ -23,6 +23,8 @@ struct DeviceFacts {
   std::uint32_t compute_units = 1;
   std::uint64_t max_work_group_size = 1;
   std::uint64_t max_allocation = 0;  // bytes
+  // CL_DEVICE_SINGLE_FP_CONFIG and its double twin, names without CL_FP_, joined by "|".
+  std::string fp_config32, fp_config64;
 };
 
 // Choices that must not change results; tests vary them.
@@ -76,6 +78,7 @@ struct Plan {
   std::vector<std::uint64_t>
       refused_n;  // sizes of the study beyond the resolution; cell.n keeps the others
   std::uint64_t max_allocation = 0;  // bytes, of the device
+  std::string fp_config32, fp_config64;  // as in DeviceFacts
   std::vector<LeftOut> left_out;
 
   bool fp64() const { return precision == Precision::fp64; }

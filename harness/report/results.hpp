@@ -10,7 +10,7 @@
 
 namespace koksma {
 
-inline constexpr int kResultsSchemaVersion = 2;
+inline constexpr int kResultsSchemaVersion = 3;
 
 // version, revision, date (UTC), host, device and driver, build, seed, command line, the study
 // verbatim.

@@ -53,7 +53,7 @@ std::string number(const Json& value, const char* format) {
 std::vector<std::string> case_columns(const Json& item, bool with_relaxed) {
   const Json& cell = item["cell"];
   const Json& verdict = cell["stability"]["verdict"];
-  std::string word = verdict.is_string() ? verdict.get<std::string>() : cell["status"];
+  std::string word = (verdict.is_string() ? verdict : cell["status"]).get<std::string>();
   for (const Json& mark : cell["stability"]["marks"]) word += " +" + mark.get<std::string>();
   std::vector<std::string> columns{
       item["met"] == false ? "!" : "",
@@ -74,7 +74,8 @@ std::vector<std::string> case_columns(const Json& item, bool with_relaxed) {
 
 constexpr const char* kLegend =
     "digits: -log10 of the relative RMSE at the largest N. floor: the level below which the error "
-    "does not fall, as\nestimated and as seen where the curve ends on it. dominates: what the error "
+    "does not fall, as\nestimated and as seen where the curve ends on it. dominates: what the "
+    "error "
     "at the largest N is. !: not the verdict,\nbias or digits that the case must show. `stability` "
     "in the file says why for each.\n";
 
@@ -83,24 +84,81 @@ std::string faults_text(const Json& json) {
   for (const Json& item : json["cases"]) {
     const Json& faults = item["faults"];
     for (const Json& fault : faults)
-      text += fmt::format("! {} with {} in {}: {}\n",
-                          item["cell"]["scene"]["text"].get<std::string>(),
-                          item["cell"]["sampler"].get<std::string>(),
-                          item["cell"]["precision"].is_string()
-                              ? item["cell"]["precision"].get<std::string>()
-                              : "-",
-                          fault.get<std::string>());
+      text += fmt::format(
+          "! {} with {} in {}: {}\n", item["cell"]["scene"]["text"].get<std::string>(),
+          item["cell"]["sampler"].get<std::string>(),
+          item["cell"]["precision"].is_string() ? item["cell"]["precision"].get<std::string>()
+                                                : "-",
+          fault.get<std::string>());
   }
   return text;
 }
 
 std::string floors_text(const Json& floors) {
-  std::string text = fmt::format(
-      "Floors: {} cases end on one; the estimate is within a factor 10 of {}.\n",
-      floors["reached"].get<std::size_t>(), floors["within_ten"].get<std::size_t>());
+  std::string text =
+      fmt::format("Floors: {} cases end on one; the estimate is within a factor 10 of {}.\n",
+                  floors["reached"].get<std::size_t>(), floors["within_ten"].get<std::size_t>());
   const Json& exceptions = floors["exceptions"];
   for (const Json& exception : exceptions)
     text += fmt::format("  not of {}\n", exception.get<std::string>());
+  return text;
+}
+
+// "intact" or what breaks, by option set: precisions that agree share a line.
+std::string eft_text(const Json& eft) {
+  std::string text = "Error-free transformations:\n";
+  const Json& sets = eft["option_sets"];
+  for (const Json& set : sets) {
+    const std::string options = set["options"].get<std::string>();
+    text += fmt::format("  {} {:32} {}", set["precision"].get<std::string>(),
+                        options.empty() ? "strict" : options, set["selftest"].get<std::string>());
+    const Json& failed = set["failed"];
+    if (!failed.empty()) text += ": " + failed[0]["what"].get<std::string>();
+    text += "\n";
+  }
+  return text;
+}
+
+std::string summation_text(const Json& summation) {
+  std::vector<std::vector<std::string>> lines{{"terms", "n per lane"}};
+  const Json& rows = summation["rows"];
+  if (rows.empty()) return "";
+  for (const auto& [name, entry] : rows[0]["sums"].items()) lines[0].push_back(name);
+  for (const Json& row : rows) {
+    std::vector<std::string> line{row["terms"],
+                                  fmt::format("{}", row["n_per_lane"].get<std::uint64_t>())};
+    for (const std::string& name : std::vector<std::string>(lines[0].begin() + 2, lines[0].end()))
+      line.push_back(row["sums"].contains(name) ? number(row["sums"][name]["error"], "{:.1e}")
+                                                : "-");
+    lines.push_back(std::move(line));
+  }
+  return fmt::format("Relative error of sums of {} terms, one accumulator per lane:\n{}",
+                     summation["precision"].get<std::string>(), text_table(lines));
+}
+
+std::string invariance_text(const Json& invariance) {
+  std::vector<std::vector<std::string>> lines{
+      {"sum", "distinct results", "of one block length", "relative spread"}};
+  const Json& sums = invariance["sums"];
+  for (const auto& [name, entry] : sums.items())
+    lines.push_back(
+        {name, fmt::format("{}", entry["distinct_sums"].get<std::size_t>()),
+         fmt::format("{}", entry["distinct_sums_of_one_block_length"].get<std::size_t>()),
+         number(entry["spread"], "{:.1e}")});
+  return fmt::format("{} launch shapes, {}, N = {}:\n{}",
+                     invariance["launch_shapes"].get<std::size_t>(),
+                     invariance["precision"].get<std::string>(),
+                     invariance["n"].get<std::uint64_t>(), text_table(lines));
+}
+
+std::string device_checks_text(const Json& checks) {
+  std::string text = eft_text(checks["eft"]) + "\n" + summation_text(checks["summation"]) + "\n" +
+                     invariance_text(checks["invariance"]) + "\n";
+  for (const char* name : {"eft", "summation", "invariance", "indices", "denormals"}) {
+    const Json& why = checks[name]["why"];
+    text += fmt::format("{:10} {}\n", name,
+                        checks[name]["ok"] == true ? "ok" : "FAILED: " + why.get<std::string>());
+  }
   return text;
 }
 
@@ -130,10 +188,10 @@ Json stability_json(const Json& context, const DeviceChecks& checks,
 
 std::string stability_table(const Json& json) {
   const Json& cases = json["cases"];
-  const bool with_relaxed =
-      std::any_of(cases.begin(), cases.end(), [](const Json& c) { return c["relaxed"].is_object(); });
-  std::vector<std::vector<std::string>> lines{{"", "case", "sampler", "prec", "sum", "verdict",
-                                               "digits", "floor", "seen"}};
+  const bool with_relaxed = std::any_of(cases.begin(), cases.end(),
+                                        [](const Json& c) { return c["relaxed"].is_object(); });
+  std::vector<std::vector<std::string>> lines{
+      {"", "case", "sampler", "prec", "sum", "verdict", "digits", "floor", "seen"}};
   if (with_relaxed) lines[0].push_back("fast/RMSE");
   lines[0].push_back("dominates");
   std::size_t met = 0, demanded = 0;

@@ -41,6 +41,12 @@ std::string marks(const Json& cell, const Json& row) {
   if (stability["verdict"].is_string() && stability["verdict"] != "OK" &&
       stability["verdict"] != "OUTSIDE_GATE")
     add(stability["verdict"]);
+  for (const Json& mark : stability["marks"]) add(mark);
+  if (stability["verdict"] == "PLATEAU_NUMERIC" && stability["floors"]["dominant"].is_string())
+    add(fmt::format("floor: {}", stability["floors"]["dominant"].get<std::string>()));
+  if (stability["ode"].is_object() && stability["ode"]["relative_bias"].is_number())
+    add(fmt::format("integrator bias {:+.2g} %",
+                    100 * stability["ode"]["relative_bias"].get<double>()));
   if (stability["infinite_variance"] == true)
     add(cell["convergence"]["median_rate"].is_number() ? "infinite variance: rate of the median"
                                                        : "infinite variance");
@@ -92,9 +98,8 @@ constexpr const char* kLegend =
     "Gcoord/s: 1e9\n"
     "coordinates generated, evaluated and summed per second. heavy-tailed: believe the median, not "
     "the RMSE.\n"
-    "In capitals: the verdict on the cell, where it is not OK; `stability` in the results file "
-    "says "
-    "why.\n";
+    "In capitals: the verdict on the cell, where it is not OK, and its marks; `stability` in the "
+    "results file says why.\nfloor: what keeps the error from falling.\n";
 
 constexpr const char* kOwnEstimateLegend =
     "own-estimate: the integral is not known; errors are against the run's own best estimate, "

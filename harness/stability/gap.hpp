@@ -28,24 +28,26 @@ Difference difference_of(const std::vector<double>& a, const std::vector<double>
                          std::uint64_t n);
 
 struct GapMeasurement {
-  std::string reason;        // why there is none, else empty
-  Difference evaluation;     // fp32 less fp64, both at the 23-bit coordinates and summed in the widest type
-  Difference coordinates;    // fp64 at 23-bit coordinates less fp64 at 52 bits
-  Difference total;          // fp32 less fp64
+  std::string reason;  // why there is none, else empty
+  Difference
+      evaluation;  // fp32 less fp64, both at the 23-bit coordinates and summed in the widest type
+  Difference coordinates;  // fp64 at 23-bit coordinates less fp64 at 52 bits
+  Difference total;        // fp32 less fp64
 };
 
-// At `n` samples of the cell's points, with its replicates and seed. Three programs. A reason where the
-// device or the sampler lacks a precision, or a sum is not finite.
+// At `n` samples of the cell's points, with its replicates and seed. Three programs. A reason where
+// the device or the sampler lacks a precision, or a sum is not finite.
 GapMeasurement measure_gap(const Catalog& catalog, Device& device, Device& exact_device,
-                         const Cell& cell, std::uint64_t n);
+                           const Cell& cell, std::uint64_t n);
 
-// The cell's estimates less those with an exact sum (`order_free`, or the widest there is), of the same
-// samples. One program.
+// The cell's estimates less those with an exact sum (`order_free`, or the widest there is), of the
+// same samples. One program.
 std::optional<Difference> measure_summation(const Catalog& catalog, Device& device,
-                                            Device& exact_device, const Cell& cell, std::uint64_t n);
+                                            Device& exact_device, const Cell& cell,
+                                            std::uint64_t n);
 
-// Of a cell of this precision at n samples. What fp32 loses, fp64 loses at the ratio of the units: the
-// same code rounds at the same places.
+// Of a cell of this precision at n samples. What fp32 loses, fp64 loses at the ratio of the units:
+// the same code rounds at the same places.
 MeasuredFloors floors_from(const GapMeasurement& gap, Precision precision, std::uint64_t n);
 
 }  // namespace koksma

@@ -14,14 +14,14 @@ namespace koksma {
 // What a case must show.
 struct Demand {
   std::string verdict;
-  bool overflow = false;          // the mark OVERFLOW: there, or not
-  std::optional<Interval> bias;   // of the integrator's relative bias, E f_h / I − 1
-  std::optional<Interval> digits; // of −log10 of the relative RMSE, at the largest N
-  std::string note;               // why
+  bool overflow = false;           // the mark OVERFLOW: there, or not
+  std::optional<Interval> bias;    // of the integrator's relative bias, E f_h / I − 1
+  std::optional<Interval> digits;  // of −log10 of the relative RMSE, at the largest N
+  std::string note;                // why
 };
 
 struct Suite {
-  Study study;  // one cell per case
+  Study study;                                 // one cell per case
   std::vector<std::optional<Demand>> demands;  // by case; none: it is only reported
 };
 
@@ -29,9 +29,9 @@ struct Suite {
 // wrong.
 Suite full_suite(const Catalog& catalog);
 
-// Of each scene the cases of its entry (all of them where only NAME is given, else those of that very
-// scene), and three cells of no demand: scrambled points in fp64 and fp32, and the exact points that
-// contain 0.
+// Of each scene the cases of its entry (all of them where only NAME is given, else those of that
+// very scene), and three cells of no demand: scrambled points in fp64 and fp32, and the exact
+// points that contain 0.
 Suite suite_of(const Catalog& catalog, const std::vector<std::string>& scenes);
 
 }  // namespace koksma

@@ -8,7 +8,6 @@
 #include "error/error.hpp"
 #include "estimate/measure.hpp"
 #include "journal/cell_json.hpp"
-#include "stability/device_checks.hpp"
 
 namespace koksma {
 namespace {
@@ -45,8 +44,8 @@ std::string dominating(const CellResult& result) {
 std::optional<double> relative_digits(const CellResult& result) {
   const auto& rmse = result.rows.back().errors.rmse;
   if (!rmse || !(*rmse > 0) || !result.exact.mean) return std::nullopt;
-  const double scale = *result.exact.mean != 0 ? std::fabs(*result.exact.mean)
-                                               : result.exact.mean_abs.value_or(1.0);
+  const double scale =
+      *result.exact.mean != 0 ? std::fabs(*result.exact.mean) : result.exact.mean_abs.value_or(1.0);
   return -std::log10(*rmse / scale);
 }
 
@@ -76,9 +75,8 @@ class CaseRunner {
     try {
       PlanOptions with_counters;
       with_counters.counters = true;
-      PreparedCell prepared(
-          catalog_, device_, exact_device_,
-          make_plan(catalog_, cell, device_.facts(), "", with_counters));
+      PreparedCell prepared(catalog_, device_, exact_device_,
+                            make_plan(catalog_, cell, device_.facts(), "", with_counters));
       result = prepared.run(rows_);
       add_detail(prepared, result);
       outcome.cell = cell_to_json(catalog_, result, &prepared.plan());
@@ -102,13 +100,22 @@ class CaseRunner {
   }
 
   void add_detail(PreparedCell& prepared, CellResult& result) {
-    const Cell& cell = prepared.plan().cell;
-    const std::uint64_t last = cell.n.back();
-    result.detail.index = check_indices(last, prepared.integrator().log2_block(last));
+    if (options_.checks != nullptr) add_checks(*options_.checks, result);
     result.detail.reproducibility = block_lengths(prepared);
-    result.detail.eft_selftest = why_eft_broken(device_, false).empty();
     if (near_floor(result)) measure_floors(prepared, result);
     assess_cell(prepared.context(), std::nullopt, rows_, result);
+  }
+
+  // The kernel that passes indices on is the cell's own, whatever it integrates.
+  static void add_checks(const DeviceChecks& checks, CellResult& result) {
+    IndexFlags flags{true, true, true};
+    for (const IndexCheck& check : checks.indices.checks) {
+      flags.sum_ok = flags.sum_ok && check.sum_ok && check.count_ok;
+      flags.sum_of_squares_ok = flags.sum_of_squares_ok && check.squares_ok;
+      flags.xor_of_hashes_ok = flags.xor_of_hashes_ok && check.xor_ok;
+    }
+    if (!checks.indices.checks.empty()) result.detail.index = flags;
+    result.detail.eft_selftest = checks.eft_ok;
   }
 
   // At the middle of the curve: what is seen at its end is then predicted, not repeated.
@@ -132,7 +139,8 @@ class CaseRunner {
     const std::uint64_t n = prepared.plan().cell.n.front();
     const std::uint32_t usual = prepared.integrator().log2_block(n);
     std::vector<double> values;
-    for (const std::uint32_t log2_block : {usual, std::max(usual, 5U) - 1, std::max(usual, 6U) - 2}) {
+    for (const std::uint32_t log2_block :
+         {usual, std::max(usual, 5U) - 1, std::max(usual, 6U) - 2}) {
       ExactSum sum;
       const std::uint64_t length = std::uint64_t{1} << log2_block;
       prepared.integrator().run_blocks(
@@ -146,7 +154,8 @@ class CaseRunner {
     }
     std::sort(values.begin(), values.end());
     const double spread = values.back() - values.front();
-    const double unit = std::nextafter(std::fabs(values.back()), INFINITY) - std::fabs(values.back());
+    const double unit =
+        std::nextafter(std::fabs(values.back()), INFINITY) - std::fabs(values.back());
     values.erase(std::unique(values.begin(), values.end()), values.end());
     found.distinct_sums = values.size();
     if (std::isfinite(spread)) found.ulp_spread = spread / unit;
@@ -248,12 +257,11 @@ FloorComparison compare_floors(const std::vector<CaseOutcome>& outcomes) {
     if (ratio <= kWithin && ratio >= 1 / kWithin) {
       ++comparison.within_ten;
     } else {
-      comparison.exceptions.push_back(
-          fmt::format("{} with {} in {}: predicted {:.2g}, seen {:.2g}",
-                      outcome.cell["scene"]["text"].get<std::string>(),
-                      outcome.cell["sampler"].get<std::string>(),
-                      outcome.cell["precision"].get<std::string>(), *outcome.floor_predicted,
-                      *outcome.floor_seen));
+      comparison.exceptions.push_back(fmt::format("{} with {} in {}: predicted {:.2g}, seen {:.2g}",
+                                                  outcome.cell["scene"]["text"].get<std::string>(),
+                                                  outcome.cell["sampler"].get<std::string>(),
+                                                  outcome.cell["precision"].get<std::string>(),
+                                                  *outcome.floor_predicted, *outcome.floor_seen));
     }
   }
   return comparison;

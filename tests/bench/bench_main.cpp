@@ -3,10 +3,11 @@
 // precision, speed/<sampler> for every sampler of the catalog beside plain Sobol', points_npy,
 // memory_flat.
 // --benchmark_filter=REGEX selects.
-// prepare times point sets that the device builds.
+// prepare times point sets that the device builds; counters/<scene>/<sampler> the cells of the
+// default study with counters beside those without, counters/default-study all of them.
 //
-// The exit status is 1 when a row fails, a row's `ratio` is below its `required`, or its
-// `growth_mb` not below its `limit_mb`.
+// The exit status is 1 when a row fails, a row's `ratio` is below its `required`, its `slower`
+// above its `allowed`, or its `growth_mb` not below its `limit_mb`.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -21,6 +22,7 @@
 #include <fstream>
 
 #include "avx2_limit.hpp"
+#include "counters_cost.hpp"
 #include "device/prepare.hpp"
 #include "error/error.hpp"
 #include "rounds.hpp"
@@ -285,6 +287,7 @@ void register_rows() {
                                        prepare_set, std::string(sampler), std::uint64_t{4096},
                                        10.0))
         ->Iterations(1);
+  register_counters_cost(missed());
   register_speed_table(missed());
 }
 

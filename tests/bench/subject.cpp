@@ -14,7 +14,9 @@ Plan plan_of(const SubjectSpec& spec) {
   cell.n = {spec.end};
   cell.replicates = spec.replicates;
   cell.seed = 1;
-  return make_plan(catalog(), cell, device().facts());
+  PlanOptions options;
+  options.counters = spec.counters;
+  return make_plan(catalog(), cell, device().facts(), "", options);
 }
 
 }  // namespace

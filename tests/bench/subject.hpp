@@ -23,6 +23,7 @@ struct SubjectSpec {
   Precision precision = Precision::fp64;
   std::uint64_t end = 1;  // the largest N that will be run
   std::uint32_t replicates = 1;
+  bool counters = false;  // the kernel counts its samples too
 };
 
 class Subject {
