@@ -43,7 +43,8 @@ void try_denormals(Device& device, const std::string& options, Real factor, Real
     kernel.setArg(1, factor);
     kernel.setArg(2, Real{0});
     kernel.setArg(3, Real{1});
-    kernel.setArg(4, device.upload(&denormal, sizeof denormal));
+    const cl::Buffer x = device.upload(&denormal, sizeof denormal);
+    kernel.setArg(4, x);
     const cl::Buffer words = device.allocate(out.size() * sizeof(Word));
     kernel.setArg(5, words);
     device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1), cl::NDRange(1));

@@ -31,8 +31,8 @@ struct Invariance {
 };
 
 struct InvarianceOptions {
-  std::uint64_t n = std::uint64_t{1} << 22;
-  std::vector<std::uint32_t> log2_blocks{10, 16, 22};
+  std::uint64_t n = std::uint64_t{1} << 21;
+  std::vector<std::uint32_t> log2_blocks{10, 16, 21};
   std::vector<std::string> sums;  // empty: all that the device has
 };
 

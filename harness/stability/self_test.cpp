@@ -34,19 +34,20 @@ std::vector<double> SelfTestProgram::call(const std::string& name,
       else
         kernel.setArg(arg++, static_cast<cl_float>(value));
     }
-    return run(kernel, arg, count);
+    return run(kernel, arg, count, fp64_);
   });
 }
 
 ExactSum SelfTestProgram::add_up(std::size_t k, const std::vector<double>& terms, std::uint32_t n) {
   return checked([&] {
     cl::Kernel kernel(program_, fmt::format("add_up_{}", k).c_str());
-    kernel.setArg(0, device_.upload_reals(terms, fp64_));
+    const cl::Buffer buffer = device_.upload_reals(terms, fp64_);  // an argument does not keep it
+    kernel.setArg(0, buffer);
     kernel.setArg(1, static_cast<cl_uint>(terms.size()));
     kernel.setArg(2, cl_uint{n});
     const SumAlgorithm& sum = *sums_[k];
     const unsigned words = sum.words(fp64_);
-    const std::vector<double> stored = run(kernel, 3, std::size_t{words} * lanes_);
+    const std::vector<double> stored = run(kernel, 3, std::size_t{words} * lanes_, fp64_ || sum.needs_fp64);
     ExactSum total;
     for (unsigned word = 0; word < words; ++word) {
       const double first = stored[std::size_t{word} * lanes_];
@@ -58,13 +59,14 @@ ExactSum SelfTestProgram::add_up(std::size_t k, const std::vector<double>& terms
   });
 }
 
-std::vector<double> SelfTestProgram::run(cl::Kernel& kernel, cl_uint out_arg, std::size_t count) {
+std::vector<double> SelfTestProgram::run(cl::Kernel& kernel, cl_uint out_arg, std::size_t count,
+                                         bool doubles) {
   const cl::Buffer out = device_.allocate(count * 8);
   kernel.setArg(out_arg, out);
   cl::CommandQueue& queue = device_.queue();
   queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
   std::vector<double> result(count);
-  if (fp64_) {
+  if (doubles) {
     queue.enqueueReadBuffer(out, CL_TRUE, 0, count * sizeof(double), result.data());
     return result;
   }

@@ -25,7 +25,7 @@ class SelfTestProgram {
   ExactSum add_up(std::size_t k, const std::vector<double>& terms, std::uint32_t n);
 
  private:
-  std::vector<double> run(cl::Kernel& kernel, cl_uint out_arg, std::size_t count);
+  std::vector<double> run(cl::Kernel& kernel, cl_uint out_arg, std::size_t count, bool doubles);
 
   Device& device_;
   std::vector<const SumAlgorithm*> sums_;

@@ -109,7 +109,7 @@ class CaseRunner {
   // The kernel that passes indices on is the cell's own, whatever it integrates.
   static void add_checks(const DeviceChecks& checks, CellResult& result) {
     IndexFlags flags{true, true, true};
-    for (const IndexCheck& check : checks.indices.checks) {
+    for (const IndexRangeCheck& check : checks.indices.checks) {
       flags.sum_ok = flags.sum_ok && check.sum_ok && check.count_ok;
       flags.sum_of_squares_ok = flags.sum_of_squares_ok && check.squares_ok;
       flags.xor_of_hashes_ok = flags.xor_of_hashes_ok && check.xor_ok;

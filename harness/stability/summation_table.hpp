@@ -19,6 +19,7 @@ struct SummationEntry {
   std::string sum;
   double error = 0;  // |S - exact| / |exact|
   double bound = 0;  // of that: the worst case times kappa
+  bool exhausted = false;  // too many terms of 1 for its words: at least half must be lost
   double seconds = 0;
 };
 
@@ -26,7 +27,7 @@ struct SummationRow {
   std::string terms;
   std::uint64_t n_per_lane = 0;
   double kappa = 1;  // sum |terms| / |sum of terms|
-  std::vector<SummationEntry> entries;
+  std::vector<SummationEntry> entries;  // exact sums up to 2^20 per lane, order-free ones up to 2^24
 };
 
 // What relaxed math makes of a sum.
