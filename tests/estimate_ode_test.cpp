@@ -66,13 +66,17 @@ TEST_CASE("max |R(z)| over the stiffness: damping, growth, and a pole that is no
   CHECK_FALSE(largest_growth(one, one, 0));
 }
 
-TEST_CASE("growth between the ends is found, also near 0", "[unit][estimate]") {
-  // |1 + 3 z (1 + z / s)| is largest inside (-s, 0).
+TEST_CASE("growth between the ends is found, also at steps that are small beside the stiffness",
+          "[unit][estimate]") {
+  // |1 + 12 z/s + 12 (z/s)^2| is 2 in the middle.
   const std::vector<double> one = {1};
   for (const double s : {1.0, 1e5}) {
-    const std::vector<double> bump = {1, 4 * 3 / s, 4 * 3 / (s * s)};
+    const std::vector<double> bump = {1, 12 / s, 12 / (s * s)};
     CHECK(*largest_growth(bump, one, s) == Approx(2).epsilon(1e-5));
   }
+  // (1 - 4 z)/(1 + z^2) is largest at z = (1 - sqrt 17)/4, and 1e-5 at the other end.
+  const std::vector<double> rising = {1, -4}, falling = {1, 0, 1};
+  CHECK(*largest_growth(rising, falling, 1e6) == Approx(2.5616).epsilon(1e-3));
 }
 
 TEST_CASE(

@@ -21,15 +21,16 @@ double polynomial(std::span<const double> coefficients, double z) {
 std::optional<double> largest_growth(std::span<const double> numerator,
                                      std::span<const double> denominator, double stiffness) {
   constexpr int kSteps = 1 << 12;
-  constexpr double kSmallest = 1e-6;  // of the stiffness: the least step in log |z|
+  constexpr double kSmallest = 1e-3;  // |z| of the least step: R is about 1 + z below
   if (numerator.empty() || denominator.empty() || !(stiffness > 0)) return std::nullopt;
   const auto growth = [&](double z) {
     return std::fabs(polynomial(numerator, z) / polynomial(denominator, z));
   };
+  const double least = kSmallest / std::max(stiffness, 1.0);
   double largest = 0;
   for (int i = 0; i <= kSteps; ++i) {
     const double part = static_cast<double>(i) / kSteps;
-    for (const double z : {-stiffness * part, -stiffness * std::pow(kSmallest, part)}) {
+    for (const double z : {-stiffness * part, -stiffness * std::pow(least, part)}) {
       const double r = growth(z);
       if (!std::isfinite(r)) return std::nullopt;
       largest = std::max(largest, r);
