@@ -13,15 +13,18 @@ namespace {
 
 constexpr double kUnitRatio = 0x1p-29;  // of the roundings of fp64 and fp32
 
-// Estimates of the replicates at n samples, before any median is taken of them.
-std::vector<double> estimates_of(const Catalog& catalog, Device& device, Device& exact_device,
-                                 Cell cell, Precision precision, std::uint64_t n,
-                                 const PlanOptions& options) {
+Row row_of(const Catalog& catalog, Device& device, Device& exact_device, Cell cell,
+           Precision precision, std::uint64_t n, const PlanOptions& options) {
   cell.precision = precision;
   cell.n = {n};
   PreparedCell prepared(catalog, device, exact_device,
                         make_plan(catalog, cell, device.facts(), "", options));
-  return prepared.run_row(n).estimates;
+  return prepared.run_row(n);
+}
+
+std::vector<double> estimates_of(const Catalog& catalog, Device& device, Device& exact_device,
+                                 const Cell& cell, Precision precision, std::uint64_t n) {
+  return row_of(catalog, device, exact_device, cell, precision, n, {}).estimates;
 }
 
 bool all_finite(const std::vector<double>& values) {
@@ -64,11 +67,12 @@ GapMeasurement measure_gap(const Catalog& catalog, Device& device, Device& exact
     const auto run = [&](Precision precision, bool coarse) {
       PlanOptions options;
       options.coarse_coordinates = coarse;
-      return estimates_of(catalog, device, exact_device, summed, precision, n, options);
+      return row_of(catalog, device, exact_device, summed, precision, n, options);
     };
-    const auto narrow = run(Precision::fp32, false);
-    const auto coarse = run(Precision::fp64, true);
-    const auto fine = run(Precision::fp64, false);
+    const auto narrow = run(Precision::fp32, false).estimates;
+    const auto coarse = run(Precision::fp64, true).estimates;
+    const Row finest = run(Precision::fp64, false);
+    const auto& fine = finest.estimates;
     if (!all_finite(narrow) || !all_finite(coarse) || !all_finite(fine)) {
       gap.reason = "a sum is not finite in one of the precisions";
       return gap;
@@ -76,6 +80,7 @@ GapMeasurement measure_gap(const Catalog& catalog, Device& device, Device& exact
     gap.evaluation = difference_of(narrow, coarse, n);
     gap.coordinates = difference_of(coarse, fine, n);
     gap.total = difference_of(narrow, fine, n);
+    gap.rmse64 = finest.errors.rmse;
   } catch (const UnsupportedError& error) {
     gap.reason = error.what();
   }
@@ -89,10 +94,33 @@ std::optional<Difference> measure_summation(const Catalog& catalog, Device& devi
   exact.sum = exact_sum(catalog);
   if (exact.sum.empty()) return std::nullopt;
   const Precision precision = cell.precision.value_or(Precision::fp64);
-  const auto plain = estimates_of(catalog, device, exact_device, cell, precision, n, {});
-  const auto best = estimates_of(catalog, device, exact_device, exact, precision, n, {});
+  const auto plain = estimates_of(catalog, device, exact_device, cell, precision, n);
+  const auto best = estimates_of(catalog, device, exact_device, exact, precision, n);
   if (!all_finite(plain) || !all_finite(best)) return std::nullopt;
   return difference_of(plain, best, n);
+}
+
+std::optional<double> measure_integrator(const Catalog& catalog, Device& device,
+                                         Device& exact_device, const Cell& cell, std::uint64_t n) {
+  const Integrand& f = catalog.integrand(cell.scene.integrand, "scene");
+  const std::string* name = solver_of(f, cell.scene.choices);
+  if (name == nullptr) return std::nullopt;
+  const Solver& solver = catalog.solver(*name);
+  // The two parameters that the contract of solvers has (kernels/README.md).
+  const char* const wanted = solver.adaptive ? "tolerance" : "steps";
+  const auto place = std::find_if(f.parameters.begin(), f.parameters.end(),
+                                  [&](const Parameter& p) { return p.name == wanted; });
+  if (place == f.parameters.end()) return std::nullopt;
+  Cell finer = cell;
+  double& value = finer.scene.parameters[static_cast<std::size_t>(place - f.parameters.begin())];
+  value = std::clamp(solver.adaptive ? value / 10 : 2 * value, place->min, place->max);
+  const Precision precision = cell.precision.value_or(Precision::fp64);
+  const auto coarse = estimates_of(catalog, device, exact_device, cell, precision, n);
+  const auto fine = estimates_of(catalog, device, exact_device, finer, precision, n);
+  if (!all_finite(coarse) || !all_finite(fine)) return std::nullopt;
+  const double rate = std::exp2(solver.order);
+  const double factor = solver.adaptive ? 1 : rate / (rate - 1);
+  return factor * difference_of(coarse, fine, n).rms_at(n);
 }
 
 MeasuredFloors floors_from(const GapMeasurement& gap, Precision precision, std::uint64_t n) {

@@ -31,8 +31,9 @@ struct GapMeasurement {
   std::string reason;  // why there is none, else empty
   Difference
       evaluation;  // fp32 less fp64, both at the 23-bit coordinates and summed in the widest type
-  Difference coordinates;  // fp64 at 23-bit coordinates less fp64 at 52 bits
-  Difference total;        // fp32 less fp64
+  Difference coordinates;        // fp64 at 23-bit coordinates less fp64 at 52 bits
+  Difference total;              // fp32 less fp64
+  std::optional<double> rmse64;  // of the fp64 estimates, where the integral is known
 };
 
 // At `n` samples of the cell's points, with its replicates and seed. Three programs. A reason where
@@ -45,6 +46,13 @@ GapMeasurement measure_gap(const Catalog& catalog, Device& device, Device& exact
 std::optional<Difference> measure_summation(const Catalog& catalog, Device& device,
                                             Device& exact_device, const Cell& cell,
                                             std::uint64_t n);
+
+// |E f_h − E f| of a cell whose f solves a differential equation, from twice as many steps, or a
+// tenth of the tolerance, at the same points: (f_h − f_{h/2}) 2^p / (2^p − 1), p the order (L. F.
+// Richardson, Phil. Trans. A 226 (1927)). An estimate: stiffness reduces orders. None for another
+// f, or one that blows up. No program of its own.
+std::optional<double> measure_integrator(const Catalog& catalog, Device& device,
+                                         Device& exact_device, const Cell& cell, std::uint64_t n);
 
 // Of a cell of this precision at n samples. What fp32 loses, fp64 loses at the ratio of the units:
 // the same code rounds at the same places.

@@ -21,11 +21,19 @@ bool has_verdict(const CellResult& result, std::initializer_list<std::string_vie
   return std::find(verdicts.begin(), verdicts.end(), result.stability.verdict) != verdicts.end();
 }
 
+// A cell whose errors mean something.
+bool measurable(const CellResult& result) {
+  return !has_verdict(result,
+                      {"NOT_INTEGRABLE", "UNSTABLE_INTEGRATOR", "DOMAIN_FAULT", "UNRESOLVED"});
+}
+
+// Does its error end near where a floor may be? A curve that ends flat does, wherever formulas see
+// the floor.
 bool near_floor(const CellResult& result) {
-  if (has_verdict(result, {"NOT_INTEGRABLE", "UNSTABLE_INTEGRATOR", "DOMAIN_FAULT", "UNRESOLVED"}))
-    return false;
   const auto& rmse = result.rows.back().errors.rmse;
-  return rmse && *rmse < kNearFloor * result.floor;
+  return rmse &&
+         (*rmse < kNearFloor * result.floor || result.rate.plateau.kind != PlateauKind::none ||
+          result.cell.precision == Precision::fp32);
 }
 
 // Where the error stands: of the sampling, or what holds it.
@@ -46,6 +54,7 @@ std::optional<double> relative_digits(const CellResult& result) {
   if (!rmse || !(*rmse > 0) || !result.exact.mean) return std::nullopt;
   const double scale =
       *result.exact.mean != 0 ? std::fabs(*result.exact.mean) : result.exact.mean_abs.value_or(1.0);
+  if (!(*rmse < scale)) return std::nullopt;  // no digit of it is right
   return -std::log10(*rmse / scale);
 }
 
@@ -102,7 +111,10 @@ class CaseRunner {
   void add_detail(PreparedCell& prepared, CellResult& result) {
     if (options_.checks != nullptr) add_checks(*options_.checks, result);
     result.detail.reproducibility = block_lengths(prepared);
-    if (near_floor(result)) measure_floors(prepared, result);
+    if (measurable(result)) {
+      const bool ode = result.ode && !result.exact.discrete_mean;
+      if (ode || near_floor(result)) measure_floors(prepared, result, ode);
+    }
     assess_cell(prepared.context(), std::nullopt, rows_, result);
   }
 
@@ -119,7 +131,7 @@ class CaseRunner {
   }
 
   // At the middle of the curve: what is seen at its end is then predicted, not repeated.
-  void measure_floors(PreparedCell& prepared, CellResult& result) {
+  void measure_floors(PreparedCell& prepared, CellResult& result, bool ode) {
     Cell cell = prepared.plan().cell;
     const std::uint64_t middle = cell.n[cell.n.size() / 2];
     const GapMeasurement gap = measure_gap(catalog_, device_, exact_device_, cell, middle);
@@ -127,7 +139,12 @@ class CaseRunner {
     if (gap.reason.empty()) {
       result.detail.precision_gap = PrecisionGap{};
       result.detail.precision_gap->difference = gap.total.mean;
+      if (gap.rmse64 && *gap.rmse64 > 0)
+        result.detail.precision_gap->in_rmse64 = gap.total.mean / *gap.rmse64;
     }
+    if (ode)
+      result.detail.floors.integrator =
+          measure_integrator(catalog_, device_, exact_device_, cell, middle);
     // A running sum's error grows with N, so it is measured at the end.
     const auto sum = measure_summation(catalog_, device_, exact_device_, cell, cell.n.back());
     if (sum) result.detail.floors.summation = sum->rms_at(cell.n.back());
