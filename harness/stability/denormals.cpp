@@ -81,9 +81,10 @@ DenormalChecks check_denormals(Device& device) {
       else
         try_denormals<cl_float, std::uint32_t>(device, options, 1e-20F, 0x1.8p-140F, one);
       if (one.must_keep && one.flushed() && result.why.empty())
-        result.why = fmt::format("{} denormals are flushed under strict options, although the device "
-                                 "reports them",
-                                 precision_name(precision));
+        result.why = fmt::format(
+            "{} denormals are flushed under strict options, although the device "
+            "reports them",
+            precision_name(precision));
       result.results.push_back(one);
     }
   }

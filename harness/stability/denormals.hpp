@@ -11,10 +11,10 @@ namespace koksma {
 struct DenormalResult {
   std::string options;  // beyond those of every program; "": strict
   Precision precision = Precision::fp64;
-  bool product_flushed = false;  // of two normal numbers
-  bool operand_flushed = false;  // x + 0 or 1 x is not x
-  bool compared_as_zero = false; // x > 0 is false
-  bool must_keep = false;        // strict options, and the device says that it has denormals
+  bool product_flushed = false;   // of two normal numbers
+  bool operand_flushed = false;   // x + 0 or 1 x is not x
+  bool compared_as_zero = false;  // x > 0 is false
+  bool must_keep = false;         // strict options, and the device says that it has denormals
 
   bool flushed() const { return product_flushed || operand_flushed || compared_as_zero; }
 };
@@ -22,7 +22,7 @@ struct DenormalResult {
 struct DenormalChecks {
   std::vector<DenormalResult> results;
   std::string fp_config_fp32, fp_config_fp64;  // CL_DEVICE_*_FP_CONFIG, "DENORM | INF_NAN | ..."
-  bool ok = false;  // nothing is flushed that must be kept
+  bool ok = false;                             // nothing is flushed that must be kept
   std::string why;
   double seconds = 0;
 };

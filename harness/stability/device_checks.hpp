@@ -1,4 +1,5 @@
-// Everything about a device and its compiler that decides whether sums can be believed, in one call.
+// Everything about a device and its compiler that decides whether sums can be believed, in one
+// call.
 #pragma once
 
 #include <vector>
@@ -22,9 +23,7 @@ struct DeviceChecks {
   DenormalChecks denormals;
   double seconds = 0;
 
-  bool ok() const {
-    return eft_ok && summation.ok && invariance.ok && indices.ok && denormals.ok;
-  }
+  bool ok() const { return eft_ok && summation.ok && invariance.ok && indices.ok && denormals.ok; }
 };
 
 // About 60 programs. DeviceError, BuildError.

@@ -68,8 +68,8 @@ void test_sum(SelfTestProgram& program, std::size_t k, const SumAlgorithm& sum, 
       terms += fmt::format("{}{:g}", terms.empty() ? "" : ", ", term);
     const auto count = static_cast<std::uint32_t>(answer.terms.size());
     const double got = program.add_up(k, answer.terms, count).rounded();
-    result.tests.push_back({fmt::format("[{}] with sum '{}'", terms, sum.name), answer.sum, got,
-                            got == answer.sum});
+    result.tests.push_back(
+        {fmt::format("[{}] with sum '{}'", terms, sum.name), answer.sum, got, got == answer.sum});
   }
 }
 
@@ -95,8 +95,8 @@ std::string EftResult::why_broken() const {
   for (const EftTest& test : tests)
     if (!test.passed)
       return fmt::format("EFT_BROKEN: {} is {:.17g}, not {:.17g}, in {}{}{}", test.what, test.got,
-                         test.expected, precision_name(precision),
-                         options.empty() ? "" : " under ", options);
+                         test.expected, precision_name(precision), options.empty() ? "" : " under ",
+                         options);
   return "";
 }
 

@@ -38,9 +38,10 @@ const std::vector<std::string>& eft_option_sets();
 // The option that PlanOptions::relaxed_math adds.
 extern const char* const kRelaxedMathOption;
 
-// TwoSum, TwoProd, whether FP_CONTRACT OFF is obeyed, and each of the catalog's compensated sums: 2^20
-// times 0.1 must come out within the sum's own bound (summation.hpp) and not as the naive sum, and the
-// known answers of its entry exactly. Builds one program. DeviceError; precision fp64 needs a device that has it.
+// TwoSum, TwoProd, whether FP_CONTRACT OFF is obeyed, and each of the catalog's compensated sums:
+// 2^20 times 0.1 must come out within the sum's own bound (summation.hpp) and not as the naive sum,
+// and the known answers of its entry exactly. Builds one program. DeviceError; precision fp64 needs
+// a device that has it.
 EftResult test_error_free_transformations(const Catalog& catalog, Device& device,
                                           Precision precision, const std::string& options);
 

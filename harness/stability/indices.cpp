@@ -35,7 +35,8 @@ struct Range {
 // From a few blocks below each power of two to an odd end above it, and all indices from 0 in
 // blocks of the usual and the longest length.
 std::vector<Range> ranges() {
-  std::vector<Range> result{{0, (1U << 20) + 37, 14}, {0, (1U << 20) + 37, 21}, {0, 1, 8}, {0, 4097, 4}};
+  std::vector<Range> result{
+      {0, (1U << 20) + 37, 14}, {0, (1U << 20) + 37, 21}, {0, 1, 8}, {0, 4097, 4}};
   for (const unsigned log2_offset : {31U, 32U, 63U})
     for (const std::uint32_t log2_block : {8U, 12U}) {
       const std::uint64_t power = std::uint64_t{1} << log2_offset;

@@ -1,5 +1,6 @@
-// Is every sample index used exactly once? Checksums of the indices that the integration kernel hands to
-// its points, for any launch split and at offsets around 2^31, 2^32 and 2^63 (page 5, section 2.7).
+// Is every sample index used exactly once? Checksums of the indices that the integration kernel
+// hands to its points, for any launch split and at offsets around 2^31, 2^32 and 2^63 (page 5,
+// section 2.7).
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,8 @@ struct IndexRangeCheck {
 struct IndexChecks {
   std::vector<IndexRangeCheck> checks;
   bool ok = false;
-  std::string why;  // also why nothing could be checked: the device lacks fp64, whose words hold an index
+  std::string
+      why;  // also why nothing could be checked: the device lacks fp64, whose words hold an index
   double seconds = 0;
 };
 

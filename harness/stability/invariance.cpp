@@ -25,8 +25,8 @@ std::vector<LaunchShape> item_shapes(const DeviceFacts& device) {
   std::vector<LaunchShape> shapes;
   const std::pair<std::uint32_t, std::uint32_t> pairs[] = {{16, 1}, {8, 1}, {4, 16}, {1, 64}};
   for (const auto& [lanes, local] : pairs) {
-    const auto most = static_cast<std::uint32_t>(
-        std::min<std::uint64_t>(local, device.max_work_group_size));
+    const auto most =
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(local, device.max_work_group_size));
     shapes.push_back({lanes, most, std::nullopt, std::nullopt});
   }
   return shapes;
@@ -91,10 +91,11 @@ Invariance measure_invariance(const Catalog& with_terms, Device& device,
     if (sum.needs_fp64 && !device.facts().fp64) continue;
     const InvarianceRow row = summarise(sum, results_of(with_terms, device, sum, options));
     if (result.why.empty() && row.most_of_one_block > 1)
-      result.why = fmt::format("sum '{}': {} results for one block length", row.sum,
-                               row.most_of_one_block);
+      result.why =
+          fmt::format("sum '{}': {} results for one block length", row.sum, row.most_of_one_block);
     if (result.why.empty() && row.order_free && row.distinct > 1)
-      result.why = fmt::format("sum '{}' is order-free and gives {} results", row.sum, row.distinct);
+      result.why =
+          fmt::format("sum '{}' is order-free and gives {} results", row.sum, row.distinct);
     result.rows.push_back(row);
   }
   result.ok = result.why.empty();

@@ -1,5 +1,5 @@
-// What changes the bits of a sum: vector width, work-group size, launch split, block length (page 5,
-// section 2.3), through the integration kernel and the integrator.
+// What changes the bits of a sum: vector width, work-group size, launch split, block length (page
+// 5, section 2.3), through the integration kernel and the integrator.
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,10 @@ namespace koksma {
 struct InvarianceRow {
   std::string sum;
   bool order_free = false;
-  std::size_t distinct = 0;           // results over all shapes
-  std::size_t most_of_one_block = 0;  // results over the shapes of one block length, the most of any
-  double spread = 0;                  // (largest - smallest) / |exact|
+  std::size_t distinct = 0;  // results over all shapes
+  std::size_t most_of_one_block =
+      0;              // results over the shapes of one block length, the most of any
+  double spread = 0;  // (largest - smallest) / |exact|
 };
 
 struct Invariance {
@@ -37,8 +38,8 @@ struct InvarianceOptions {
 };
 
 // n uniform random terms in fp32 by every width (1, 4, 8, 16 lanes per item), a work-group size for
-// each, launches of all blocks, of 64 and of 5, and every block length: 36 shapes by default. Holds:
-// shapes of one block length give one result; order-free sums give one over all.
+// each, launches of all blocks, of 64 and of 5, and every block length: 36 shapes by default.
+// Holds: shapes of one block length give one result; order-free sums give one over all.
 Invariance measure_invariance(const Catalog& with_terms, Device& device,
                               const InvarianceOptions& options = {});
 

@@ -47,7 +47,8 @@ ExactSum SelfTestProgram::add_up(std::size_t k, const std::vector<double>& terms
     kernel.setArg(2, cl_uint{n});
     const SumAlgorithm& sum = *sums_[k];
     const unsigned words = sum.words(fp64_);
-    const std::vector<double> stored = run(kernel, 3, std::size_t{words} * lanes_, fp64_ || sum.needs_fp64);
+    const std::vector<double> stored =
+        run(kernel, 3, std::size_t{words} * lanes_, fp64_ || sum.needs_fp64);
     ExactSum total;
     for (unsigned word = 0; word < words; ++word) {
       const double first = stored[std::size_t{word} * lanes_];

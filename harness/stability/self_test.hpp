@@ -16,12 +16,13 @@ class SelfTestProgram {
   SelfTestProgram(Device& device, const std::string& piece, std::vector<const SumAlgorithm*> sums,
                   Precision precision, const std::string& options);
 
-  // One work-item of kernel `name` with these scalars, rounded to the precision, and `count` results.
+  // One work-item of kernel `name` with these scalars, rounded to the precision, and `count`
+  // results.
   std::vector<double> call(const std::string& name, const std::vector<double>& scalars,
                            std::size_t count);
 
-  // What sum k makes of terms[0], terms[1], …, in this order and repeated to n terms: the exact sum of
-  // its words. One NaN where the lanes, which all add the same, differ.
+  // What sum k makes of terms[0], terms[1], …, in this order and repeated to n terms: the exact sum
+  // of its words. One NaN where the lanes, which all add the same, differ.
   ExactSum add_up(std::size_t k, const std::vector<double>& terms, std::uint32_t n);
 
  private:

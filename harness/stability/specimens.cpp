@@ -52,10 +52,9 @@ SumAlgorithm index_sum() {
 }
 
 Cell specimen_cell(const Catalog& catalog, std::uint64_t n) {
-  const auto one_mean =
-      std::find_if(catalog.estimators.begin(), catalog.estimators.end(), [](const Estimator& e) {
-        return e.moments == 1 && e.replicates_per_estimate == 1;
-      });
+  const auto one_mean = std::find_if(
+      catalog.estimators.begin(), catalog.estimators.end(),
+      [](const Estimator& e) { return e.moments == 1 && e.replicates_per_estimate == 1; });
   Cell cell;
   cell.estimator = one_mean->name;
   cell.n = {n};
@@ -67,9 +66,8 @@ Cell specimen_cell(const Catalog& catalog, std::uint64_t n) {
 
 Catalog with_terms(const Catalog& catalog) {
   Catalog result = catalog;
-  result.integrands.push_back(
-      specimen_integrand(kTerms, piece("kernels/stability/terms.cl"),
-                         {"offset", "slope", "swing", "absolute"}));
+  result.integrands.push_back(specimen_integrand(kTerms, piece("kernels/stability/terms.cl"),
+                                                 {"offset", "slope", "swing", "absolute"}));
   return result;
 }
 
@@ -88,8 +86,8 @@ Catalog with_indices(const Catalog& catalog) {
 
 Cell terms_cell(const Catalog& with_terms, const std::string& sum, Precision precision,
                 std::uint64_t n) {
-  const auto independent = std::find_if(
-      with_terms.samplers.begin(), with_terms.samplers.end(), [](const Sampler& s) {
+  const auto independent =
+      std::find_if(with_terms.samplers.begin(), with_terms.samplers.end(), [](const Sampler& s) {
         return std::find(s.validity.begin(), s.validity.end(), "iid") != s.validity.end();
       });
   Cell cell = specimen_cell(with_terms, n);

@@ -1,5 +1,6 @@
-// What the device checks integrate instead of a catalog's integrand: terms that are known, and sample
-// indices. They go through make_plan, the integration kernel and the integrator as everything does.
+// What the device checks integrate instead of a catalog's integrand: terms that are known, and
+// sample indices. They go through make_plan, the integration kernel and the integrator as
+// everything does.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +12,8 @@
 
 namespace koksma {
 
-// The catalog with the integrand `terms`, and with the points, the sum and the integrand `indices`, of
-// kernels/stability/. `koksma list` never sees them.
+// The catalog with the integrand `terms`, and with the points, the sum and the integrand `indices`,
+// of kernels/stability/. `koksma list` never sees them.
 Catalog with_terms(const Catalog& catalog);
 Catalog with_indices(const Catalog& catalog);
 

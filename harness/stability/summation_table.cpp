@@ -48,11 +48,11 @@ class TermsRun {
   Measured run(const Terms& terms, unsigned log2_n, bool absolute = false) {
     Integrator& f = integrator(terms, absolute);
     Measured result;
-    result.seconds = f.run_blocks(
-        std::uint64_t{1} << log2_n, log2_n, 0, 1, 1, 0.0,
-        [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
-          result.sum.add(partials, plan_.word_exponent(word));
-        });
+    result.seconds =
+        f.run_blocks(std::uint64_t{1} << log2_n, log2_n, 0, 1, 1, 0.0,
+                     [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
+                       result.sum.add(partials, plan_.word_exponent(word));
+                     });
     return result;
   }
 
@@ -117,8 +117,8 @@ bool agrees_with_host(TermsRun& exact) {
   return host.rounded() == exact.run(kRandomTerms.back(), 16).sum.rounded();
 }
 
-// Long accumulators are slow and lose nothing at any length; fixed-point ones are met at a length at
-// which words of fp32 are exhausted.
+// Long accumulators are slow and lose nothing at any length; fixed-point ones are met at a length
+// at which words of fp32 are exhausted.
 unsigned log2_most_terms(const SumAlgorithm& sum) {
   if (is_exact(sum)) return 20;
   return sum.order_free ? 24 : 63;
@@ -131,8 +131,8 @@ SummationEntry measure_entry(TermsRun& run, const SumAlgorithm& sum, const Exact
       std::fabs(row.sum.rounded()) * row.kappa / std::ldexp(1.0, static_cast<int>(row.log2_n));
   const double bound = summation_bound(sum, kPrecision, n).of(mean_abs) / mean_abs * row.kappa;
   // Four times the terms at which nothing is guaranteed any more: that of 1s must show.
-  const bool exhausted = row.terms.name == kOnes.name &&
-                         summation_bound(sum, kPrecision, n / 4).relative >= 1;
+  const bool exhausted =
+      row.terms.name == kOnes.name && summation_bound(sum, kPrecision, n / 4).relative >= 1;
   return {sum.name, relative_error(measured.sum, row.sum), bound, exhausted, measured.seconds};
 }
 
@@ -178,13 +178,13 @@ SummationTable measure_summation(const Catalog& with_terms, Device& device,
   const auto start = Clock::now();
   SummationTable table;
   table.precision = kPrecision;
-  const auto exact_sum = std::find_if(with_terms.sums.begin(), with_terms.sums.end(),
-                                      is_exact);
+  const auto exact_sum = std::find_if(with_terms.sums.begin(), with_terms.sums.end(), is_exact);
   const unsigned most = *std::max_element(options.constants.begin(), options.constants.end());
   TermsRun exact(with_terms, device, *exact_sum, most + kLog2Lanes);
   const std::vector<Exact> rows = exact_rows(exact, options);
   for (const Exact& row : rows)
-    table.rows.push_back({row.terms.name, std::uint64_t{1} << (row.log2_n - kLog2Lanes), row.kappa, {}});
+    table.rows.push_back(
+        {row.terms.name, std::uint64_t{1} << (row.log2_n - kLog2Lanes), row.kappa, {}});
   table.host_agrees = agrees_with_host(exact);
   for (const SumAlgorithm& sum : with_terms.sums) {
     if (sum.needs_fp64 && !device.facts().fp64) continue;

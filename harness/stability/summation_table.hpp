@@ -17,8 +17,8 @@ namespace koksma {
 
 struct SummationEntry {
   std::string sum;
-  double error = 0;  // |S - exact| / |exact|
-  double bound = 0;  // of that: the worst case times kappa
+  double error = 0;        // |S - exact| / |exact|
+  double bound = 0;        // of that: the worst case times kappa
   bool exhausted = false;  // too many terms of 1 for its words: at least half must be lost
   double seconds = 0;
 };
@@ -27,7 +27,8 @@ struct SummationRow {
   std::string terms;
   std::uint64_t n_per_lane = 0;
   double kappa = 1;  // sum |terms| / |sum of terms|
-  std::vector<SummationEntry> entries;  // exact sums up to 2^20 per lane, order-free ones up to 2^24
+  std::vector<SummationEntry>
+      entries;  // exact sums up to 2^20 per lane, order-free ones up to 2^24
 };
 
 // What relaxed math makes of a sum.
@@ -54,10 +55,10 @@ struct SummationOptions {
   bool relaxed_math = true;
 };
 
-// Holds, of every sum that the device has: its error is within the bound that its entry states; a sum
-// of more terms of 1 than its bound allows stagnates (naive stops at 2^24 in fp32); a sum whose bound
-// is small does not; exact sums agree with the host's; where relaxed math changes a compensated sum,
-// `relaxed_self_test` (fp32, that option) says EFT_BROKEN.
+// Holds, of every sum that the device has: its error is within the bound that its entry states; a
+// sum of more terms of 1 than its bound allows stagnates (naive stops at 2^24 in fp32); a sum whose
+// bound is small does not; exact sums agree with the host's; where relaxed math changes a
+// compensated sum, `relaxed_self_test` (fp32, that option) says EFT_BROKEN.
 SummationTable measure_summation(const Catalog& with_terms, Device& device,
                                  const EftResult& relaxed_self_test,
                                  const SummationOptions& options = {});
