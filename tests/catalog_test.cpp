@@ -165,8 +165,7 @@ TEST_CASE(
   own(test::catalog().filters);
   own(test::catalog().sums);
   for (const char* stage : {"quality", "stability"})
-    for (const auto& file :
-         fs::directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / "harness" / stage))
+    for (const auto& file : fs::directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / "harness" / stage))
       for (const std::string& literal : string_literals(read_text_file(file.path().string())))
         for (const std::string& path :
              {literal, "kernels/" + std::string(stage) + "/" + literal + ".cl"})

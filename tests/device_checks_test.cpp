@@ -1,10 +1,11 @@
-// The device checks of koksma stability at small sizes: what appendix C says of sums, what no launch
-// shape may change, indices, denormals.
+// The device checks of koksma stability at small sizes: what appendix C says of sums, what no
+// launch shape may change, indices, denormals.
+#include "stability/device_checks.hpp"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "stability/device_checks.hpp"
 #include "stability/specimens.hpp"
 #include "tests/support.hpp"
 
@@ -70,7 +71,8 @@ TEST_CASE("launch shapes change no sum, block lengths none that is order-free", 
   InvarianceOptions options;
   options.n = 1 << 14;
   options.log2_blocks = {6, 10, 14};
-  const Invariance result = measure_invariance(with_terms(test::catalog()), test::device(), options);
+  const Invariance result =
+      measure_invariance(with_terms(test::catalog()), test::device(), options);
   INFO(result.why);
   CHECK(result.ok);
   CHECK(result.shapes >= 24);
@@ -94,9 +96,10 @@ TEST_CASE("every index is used once, for any launch split and around 2^31, 2^32 
   for (const IndexRangeCheck& check : result.checks) CHECK(check.ok());
 }
 
-TEST_CASE("checksums of indices on the host are those of a plain loop, also beyond 2^64", "[unit]") {
-  for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{5}, (std::uint64_t{1} << 32) - 7,
-                                    (std::uint64_t{1} << 63) - 3}) {
+TEST_CASE("checksums of indices on the host are those of a plain loop, also beyond 2^64",
+          "[unit]") {
+  for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{5},
+                                    (std::uint64_t{1} << 32) - 7, (std::uint64_t{1} << 63) - 3}) {
     IndexSums direct;
     for (std::uint64_t i = first; i < first + 1000; ++i) {
       ++direct.count;

@@ -1,10 +1,11 @@
 // Error-free transformations: intact under strict options; where options break them, the self-test
 // says so, and a compensated sum is refused.
+#include "stability/eft.hpp"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "error/error.hpp"
-#include "stability/eft.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
@@ -57,8 +58,8 @@ TEST_CASE("a compensated sum is refused where the self-test fails, and no other 
     cell.sum = sum.name;
     PlanOptions options;
     INFO(sum.name);
-    CHECK_NOTHROW(self_test.require(
-        make_plan(test::catalog(), cell, test::device().facts(), "", options)));
+    CHECK_NOTHROW(
+        self_test.require(make_plan(test::catalog(), cell, test::device().facts(), "", options)));
     options.relaxed_math = true;
     const Plan plan = make_plan(test::catalog(), cell, test::device().facts(), "", options);
     CHECK(self_test.why_broken(plan).empty() == !sum.compensated);

@@ -66,9 +66,9 @@ TEST_CASE("an estimate is the correctly rounded sum of its partial sums, for eve
       expected.push_back(total.rounded_quotient(1 << 14));
     }
     for (const std::optional<std::uint64_t> items : {std::optional<std::uint64_t>(), {7}}) {
-      PreparedCell prepared(
-          test::catalog(), test::device(), test::device(),
-          make_plan(test::catalog(), c, test::device().facts(), "", {LaunchShape{16, 1, {}, items}}));
+      PreparedCell prepared(test::catalog(), test::device(), test::device(),
+                            make_plan(test::catalog(), c, test::device().facts(), "",
+                                      {LaunchShape{16, 1, {}, items}}));
       INFO(sum.name);
       CHECK(prepared.run_row(1 << 14).estimates == expected);
     }

@@ -1,5 +1,5 @@
-// Every sum of the catalog, as the device computes it, against exact arithmetic on terms chosen to break
-// it: its stated bound, its stated order-freedom, and non-finite terms that must show.
+// Every sum of the catalog, as the device computes it, against exact arithmetic on terms chosen to
+// break it: its stated bound, its stated order-freedom, and non-finite terms that must show.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -113,7 +113,8 @@ TEST_CASE("every sum keeps its stated bound on terms of all sizes, cancelling an
       check_bound(device, range, random_terms(engine, range, range.lowest, range.lowest + 20, 100));
       check_bound(device, range,
                   random_terms(engine, range, range.highest - 20, range.highest - 10, 100));
-      check_bound(device, range, random_terms(engine, range, range.lowest, range.highest - 10, 100));
+      check_bound(device, range,
+                  random_terms(engine, range, range.lowest, range.highest - 10, 100));
     }
     check_bound(device, range, {1, range.rounded(1e30), 1, -range.rounded(1e30)});
     check_bound(device, range, {0.0, -0.0, 0.0});

@@ -182,7 +182,7 @@ struct SumAlgorithm {
   bool compensated = false;  // rests on error-free transformations, which some build options break
   bool order_free = false;   // any order and grouping of the terms gives the same value
   std::vector<RoundingTerm> bound, estimate;  // of the error relative to the sum of |terms|
-  double quantum = 0;                         // terms are rounded to multiples of it; 0: they are not
+  double quantum = 0;  // terms are rounded to multiples of it; 0: they are not
   std::vector<SumKnownAnswer> self_test;
   int preference = 0;  // the default is the highest the device can run
   SourceFile code;

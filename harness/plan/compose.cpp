@@ -185,9 +185,9 @@ ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchS
   return {fmt::format("the quality kernels of {}.cl", piece), std::move(text), kOptions};
 }
 
-ProgramSource self_test_program(const std::string& piece, const std::vector<const SumAlgorithm*>& sums,
-                                Precision precision, std::uint32_t lanes_per_item,
-                                const std::string& options) {
+ProgramSource self_test_program(const std::string& piece,
+                                const std::vector<const SumAlgorithm*>& sums, Precision precision,
+                                std::uint32_t lanes_per_item, const std::string& options) {
   const bool fp64 = precision == Precision::fp64;
   std::string text = fmt::format(
       "#define KOKSMA_LANES_PER_ITEM {}\n#define KOKSMA_FP64 {}\n#define KOKSMA_DIM 1\n"

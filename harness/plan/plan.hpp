@@ -77,7 +77,7 @@ struct Plan {
   std::optional<PlannedPreparation> preparation;  // to run before the point table is built
   std::vector<std::uint64_t>
       refused_n;  // sizes of the study beyond the resolution; cell.n keeps the others
-  std::uint64_t max_allocation = 0;  // bytes, of the device
+  std::uint64_t max_allocation = 0;      // bytes, of the device
   std::string fp_config32, fp_config64;  // as in DeviceFacts
   std::vector<LeftOut> left_out;
 
@@ -115,11 +115,11 @@ ProgramSource exact_program(const Integrand& integrand, const Scene& scene);
 // lanes per work-item and the local size.
 ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchShape& shape);
 
-// kernels/stability/<piece>.cl behind the prelude and these sums, each with the kernel add_up_<k> of
-// add-up.cl, k its place among them. `options` come behind those that every program has.
-ProgramSource self_test_program(const std::string& piece, const std::vector<const SumAlgorithm*>& sums,
-                                Precision precision, std::uint32_t lanes_per_item,
-                                const std::string& options);
+// kernels/stability/<piece>.cl behind the prelude and these sums, each with the kernel add_up_<k>
+// of add-up.cl, k its place among them. `options` come behind those that every program has.
+ProgramSource self_test_program(const std::string& piece,
+                                const std::vector<const SumAlgorithm*>& sums, Precision precision,
+                                std::uint32_t lanes_per_item, const std::string& options);
 
 // The point table in the words of the plan's precision, as bytes ready to upload (at least one
 // word). Of sets that are not extensible it is that of the set of n points; 0: the plan's largest.

@@ -54,7 +54,8 @@ static inline void sum_add_bits(long *digit, uint *faults, ulong pattern) {
   mantissa |= (ulong)normal << KOKSMA_MANTISSA_BITS;
   const uint place = exponent - normal;
   const uint k = place / KOKSMA_DIGIT_BITS, shift = place % KOKSMA_DIGIT_BITS;
-  const long low = (long)(mantissa << shift & KOKSMA_DIGIT_MASK), high = (long)(mantissa >> (KOKSMA_DIGIT_BITS - shift));
+  const long low = (long)(mantissa << shift & KOKSMA_DIGIT_MASK);
+  const long high = (long)(mantissa >> (KOKSMA_DIGIT_BITS - shift));
   digit[k] += (low ^ -sign) + sign;
   digit[k + 1] += (high ^ -sign) + sign;
 }
@@ -82,8 +83,9 @@ static inline void sum_store(const sum *s, __global sum_scalar *out, ulong strid
 
     const word infinity = (word)(KOKSMA_ONE_PATTERN << 1 | KOKSMA_ONE_PATTERN);
     const word negative = (word)1 << (8 * sizeof(word) - 1);
-    if (s->faults[l] == sum_has_plus_infinity) out[l] = KOKSMA_PASTE(as_, KOKSMA_FLOAT)(infinity);
-    else if (s->faults[l] == sum_has_minus_infinity) out[l] = KOKSMA_PASTE(as_, KOKSMA_FLOAT)((word)(infinity | negative));
-    else if (s->faults[l] != 0) out[l] = KOKSMA_PASTE(as_, KOKSMA_FLOAT)((word)(infinity | infinity >> 1));
+    word fault = infinity | infinity >> 1;  // a NaN
+    if (s->faults[l] == sum_has_plus_infinity) fault = infinity;
+    if (s->faults[l] == sum_has_minus_infinity) fault = infinity | negative;
+    if (s->faults[l] != 0) out[l] = KOKSMA_PASTE(as_, KOKSMA_FLOAT)(fault);
   }
 }
