@@ -147,7 +147,8 @@ TEST_CASE("the embedded catalog loads, and every entry has its code", "[unit]") 
 }
 
 TEST_CASE(
-    "every .cl of integrands/, sums/, transforms/ and points/ belongs to an entry, and those of "
+    "every .cl of integrands/, sums/, solvers/, transforms/ and points/ belongs to an entry, and "
+    "those of "
     "quality/ and stability/ are asked for",
     "[unit]") {
   std::set<std::string> owned;
@@ -164,6 +165,8 @@ TEST_CASE(
   own(test::catalog().transforms);
   own(test::catalog().filters);
   own(test::catalog().sums);
+  own(test::catalog().solvers);
+  for (const SourceFile& part : test::catalog().solver_parts) owned.insert(part.path);
   for (const char* stage : {"quality", "stability"})
     for (const auto& file : fs::directory_iterator(fs::path(KOKSMA_SOURCE_DIR) / "harness" / stage))
       for (const std::string& literal : string_literals(read_text_file(file.path().string())))

@@ -156,7 +156,7 @@ TEST_CASE("random generating vectors are odd and differ between replicates and d
           "[device]") {
   std::size_t samplers = 0;
   for (const Sampler& s : test::catalog().samplers) {
-    if (!test::has_property(s, "lattice") || s.options["vector"] != "drawn") continue;
+    if (!test::has_property(s, "rank-1-lattice") || s.options["vector"] != "drawn") continue;
     ++samplers;
     const std::uint32_t dim = 5, m = 20;
     std::set<std::uint64_t> components;

@@ -228,7 +228,7 @@ TEST_CASE("draws for different purposes, replicates, dimensions and indices are 
 TEST_CASE("a lattice's first 2^k points are the multiples of one point, in Gray order",
           "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
-    if (!test::has_property(s, "lattice")) continue;
+    if (!test::has_property(s, "rank-1-lattice")) continue;
     // 9 and 20 dimensions: the two ways to keep the state.
     for (const std::uint32_t dim : {9U, 20U}) {
       const auto drawn = points({.sampler = s.name, .dim = dim, .count = 1 << 12, .log2_block = 9});

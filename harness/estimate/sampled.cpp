@@ -93,7 +93,7 @@ Floors formula_floors(const CellContext& context, std::uint64_t n, const Measure
   const Sampler& sampler = *plan.sampler;
   // Base-2 nets and lattices are on the grid.
   facts.truncated = !sampler.centred && !declares(sampler.properties, "digital-net") &&
-                    !declares(sampler.properties, "lattice");
+                    !declares(sampler.properties, "rank-1-lattice");
   facts.periodic = plan.integrand->periodic;
   facts.ode = solves_ode(context);
   facts.discrete_mean = exact.discrete_mean;

@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "catalog/embedded.hpp"
 #include "catalog/json.hpp"
 
 namespace koksma {
 namespace {
 
-constexpr const char* kUsualSizes = "2^8..2^16";
-constexpr std::uint32_t kUsualReplicates = 16;
+// The cells of a scene that no entry lists.
+constexpr const char* kUsualCells = "harness/stability/usual.json";
 
 // A case as the block of a study.
 Json block_of(const Integrand& f, const Json& given) {
@@ -49,14 +50,12 @@ class SuiteBuilder {
   }
 
   void add_usual(const std::string& scene) {
-    for (const auto& [sampler, precision] :
-         {std::pair{"sobol-owen", "fp64"}, {"sobol-owen", "fp32"}, {"sobol", "fp64"}})
-      add({{"scenes", {scene}},
-           {"samplers", {sampler}},
-           {"n", kUsualSizes},
-           {"replicates", kUsualReplicates},
-           {"precision", precision}},
-          std::nullopt, "--scene");
+    const Json usual = parse_json(embedded_text(kUsualCells), kUsualCells);
+    const Json& cells = usual["cells"];
+    for (Json block : cells) {
+      block["scenes"] = {scene};
+      add(std::move(block), std::nullopt, "--scene");
+    }
   }
 
   Suite finish() {
