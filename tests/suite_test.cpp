@@ -74,23 +74,23 @@ TEST_CASE("a scene that is named has its entry's cases and three of no demand", 
 }
 
 TEST_CASE("a demand names what is not met", "[unit]") {
-  const Demand plain{"OK", false, {}, {}, ""};
+  const Demand plain{"OK", false, "", {}, {}, ""};
   CHECK(faults_of(plain, result_with("OK")).empty());
   CHECK(faults_of(plain, result_with("BIASED")).size() == 1);
   CHECK(faults_of(plain, result_with("")).size() == 1);
   CellResult marked = result_with("OK");
   marked.stability.marks = {"OVERFLOW"};
   CHECK(faults_of(plain, marked).size() == 1);
-  const Demand overflow{"OK", true, {}, {}, ""};
+  const Demand overflow{"OK", true, "", {}, {}, ""};
   CHECK(faults_of(overflow, marked).empty());
   CHECK(faults_of(overflow, result_with("OK")).size() == 1);
   // Relative to the mean, which is 2.
-  const Demand biased{"OK", false, Interval{0.009, 0.011}, {}, ""};
+  const Demand biased{"OK", false, "", Interval{0.009, 0.011}, {}, ""};
   CHECK(faults_of(biased, result_with("OK", 0.02)).empty());
   CHECK(faults_of(biased, result_with("OK", 0.01)).size() == 1);
   CHECK(faults_of(biased, result_with("OK", -0.02)).size() == 1);
   CHECK(faults_of(biased, result_with("OK")).size() == 1);
-  const Demand accurate{"OK", false, {}, Interval{6, 9}, ""};
+  const Demand accurate{"OK", false, "", {}, Interval{6, 9}, ""};
   CHECK(faults_of(accurate, result_with("OK"), 7).empty());
   CHECK(faults_of(accurate, result_with("OK"), 5).size() == 1);
   CHECK(faults_of(accurate, result_with("OK")).size() == 1);

@@ -61,6 +61,7 @@ struct Family {
 struct Parameter {
   std::string name, meaning;
   double default_value = 0, min = 0, max = 0;
+  bool integer = false;
 };
 
 // An alternative that is compiled in: the form of an expression, or the solver of an integrand that
@@ -75,8 +76,9 @@ struct Choice {
 // A one-step method for y' = f(t, y), kernels/solvers/<name>.{cl,json}.
 struct Solver {
   std::string name, title, citation;
-  unsigned order = 1;     // of the global error
-  bool adaptive = false;  // chooses its steps by a tolerance
+  unsigned order = 1;                                         // of the global error
+  bool adaptive = false;                                      // chooses its steps by a tolerance
+  double least_tolerance_fp32 = 0, least_tolerance_fp64 = 0;  // smaller ones are raised to it
   // R(z), the growth of y' = λy over a step h, z = hλ: coefficients by ascending powers.
   std::vector<double> numerator, denominator;
   std::vector<std::string> properties;  // A-stable, L-stable

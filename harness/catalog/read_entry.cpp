@@ -192,6 +192,10 @@ Solver read_solver(const Json& entry, SourceFile code) {
   s.citation = entry["citation"];
   s.order = entry["order"];
   s.adaptive = entry["adaptive"];
+  if (entry.contains("least_tolerance")) {
+    s.least_tolerance_fp32 = entry["least_tolerance"]["fp32"];
+    s.least_tolerance_fp64 = entry["least_tolerance"]["fp64"];
+  }
   s.numerator = entry["stability"]["numerator"].get<std::vector<double>>();
   s.denominator = entry["stability"]["denominator"].get<std::vector<double>>();
   s.properties = entry["properties"].get<std::vector<std::string>>();
@@ -226,7 +230,8 @@ Integrand read_integrand(const Json& entry, const Json& classes, std::string_vie
   f.exact_operations = entry["exact_operations"];
   f.nonnegative = entry["nonnegative"];
   for (const Json& p : entry["parameters"])
-    f.parameters.push_back({p["name"], p["meaning"], p["default"], p["min"], p["max"]});
+    f.parameters.push_back(
+        {p["name"], p["meaning"], p["default"], p["min"], p["max"], p.value("integer", false)});
   f.choices = read_choices(entry, where);
   if (entry.contains("ode")) f.ode_size = entry["ode"]["size"];
   f.min_dim = entry["dimensions"]["min"];

@@ -159,6 +159,7 @@ int list(const ListOptions& options) {
       {"samplers", [&] { return list_samplers(catalog); }},
       {"estimators", [&] { return list_titled(catalog.estimators); }},
       {"sums", [&] { return list_titled(catalog.sums); }},
+      {"solvers", [&] { return list_titled(catalog.solvers); }},
       {"filters", [&] { return list_titled(catalog.filters); }},
       {"devices", [] { return list_all_devices(); }},
   };
@@ -183,9 +184,10 @@ int list(const ListOptions& options) {
 void add_list(CLI::App& app, Action& action) {
   auto options = std::make_shared<ListOptions>();
   CLI::App* verb = app.add_subcommand(
-      "list", "What there is: scenes, integrands, samplers, estimators, sums, filters, devices");
+      "list",
+      "What there is: scenes, integrands, samplers, estimators, sums, solvers, filters, devices");
   verb->add_option("kind", options->kind,
-                   "scenes, integrands, samplers, estimators, sums, filters or devices")
+                   "scenes, integrands, samplers, estimators, sums, solvers, filters or devices")
       ->required();
   verb->add_option("--integrand", options->integrands,
                    "an integrand of your own to list too; repeatable")

@@ -30,8 +30,11 @@ std::string progress_line(const CaseOutcome& outcome) {
 int stability(const StabilityOptions& options, const std::string& command_line) {
   const auto start = std::chrono::steady_clock::now();
   const Catalog catalog = load_catalog(options.integrands);
-  const Suite suite =
-      options.scenes.empty() ? full_suite(catalog) : suite_of(catalog, options.scenes);
+  std::vector<std::string> scenes = options.scenes;
+  if (scenes.empty())
+    for (const Integrand& f : catalog.integrands)
+      if (f.users_own) scenes.push_back(f.name);
+  const Suite suite = scenes.empty() ? full_suite(catalog) : suite_of(catalog, scenes);
   std::string out = options.out;
   if (out.empty()) {
     out = "results/latest-stability.json";
@@ -77,8 +80,10 @@ void add_stability(CLI::App& app, Action& action, const std::string& command_lin
       ->allow_extra_args(false);
   verb->add_flag("--fast-math", options->fast_math,
                  "also run every case under relaxed math, and say what that changes");
-  verb->add_option("--integrand", options->integrands,
-                   "an integrand of your own: F.json with F.cl beside it; repeatable")
+  verb->add_option(
+          "--integrand", options->integrands,
+          "an integrand of your own: F.json with F.cl beside it; repeatable; without --scene, "
+          "its cases and three usual cells")
       ->allow_extra_args(false);
   verb->add_option("--device", options->device,
                    "P:D or part of a name (see koksma list devices); default: PoCL");

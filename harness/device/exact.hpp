@@ -29,8 +29,8 @@ struct ExactValues {
   std::vector<std::uint32_t> dimension_order;
 };
 
-// |f| above which a sample means that f was not computed: 10 times the bound of the true solution of
-// a differential equation, 1e30 E|f| (5-numerics 0); infinity where neither is known.
+// |f| above which a sample means that f was not computed: 10 times the bound of the true solution
+// of a differential equation, 1e30 E|f| (5-numerics 0); infinity where neither is known.
 double blow_up_limit(const ExactValues& exact);
 
 // Runs the integrand's exact program. Quantities that the entry says do not exist stay empty;

@@ -275,8 +275,10 @@ void take_integrator(const CellContext& context, const CellFacts& facts, CellRes
   const ExactValues& exact = context.exact;
   result.ode = report_ode(result.rows.back().estimates, exact.mean, exact.discrete_mean);
   result.ode->blow_ups = facts.blow_ups;
+  // Steps that follow a tolerance are not known.
+  if (context.solver == nullptr || context.solver->adaptive) return;
   result.ode->stiffness = exact.stiffness;
-  if (context.solver != nullptr && exact.stiffness)
+  if (exact.stiffness)
     result.ode->max_abs_r =
         largest_growth(context.solver->numerator, context.solver->denominator, *exact.stiffness);
 }

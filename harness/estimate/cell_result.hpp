@@ -34,7 +34,7 @@ struct Row {
   ErrorStatistics errors;
   Estimate estimate;
   McTest mc_test;
-  std::uint64_t nonfinite = 0;   // samples, all replicates
+  std::uint64_t nonfinite = 0;  // samples, all replicates
   // Of all replicates: where the plan has counters, or a partial sum is not finite.
   std::optional<Counters> counters;
   std::optional<double> kappa;   // sum |f| / |sum f|, where counted
@@ -55,9 +55,9 @@ struct Reproducibility {  // of one estimate over launch shapes
   std::size_t launch_shapes = 0, distinct_sums = 0;
   std::optional<double> ulp_spread;  // largest less smallest, in ulp of the estimate
 };
-struct PrecisionGap {               // at the same integer points
-  std::optional<double> difference; // mean over the replicates of Q in fp32 less Q in fp64
-  std::optional<double> in_rmse64;  // the same over the RMSE in fp64
+struct PrecisionGap {                // at the same integer points
+  std::optional<double> difference;  // mean over the replicates of Q in fp32 less Q in fp64
+  std::optional<double> in_rmse64;   // the same over the RMSE in fp64
 };
 struct StabilityDetail {
   MeasuredFloors floors;
@@ -75,8 +75,8 @@ struct CellResult {
   std::optional<Reference> reference;  // where the integral is not known
   double build_s = 0, setup_s = 0;
   std::size_t table_bytes = 0, coefficient_bytes = 0;
-  Floors floors;  // at the largest N
-  double floor = 0;  // their predicted_total()
+  Floors floors;                 // at the largest N
+  double floor = 0;              // their predicted_total()
   std::optional<OdeReport> ode;  // where f solves a differential equation
   StabilityDetail detail;
   std::vector<Row> rows;

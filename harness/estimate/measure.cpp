@@ -98,8 +98,8 @@ double PreparedCell::once(std::uint64_t n, Sums& sums) {
   sums.squares.assign(plan_->estimator->moments == 2 ? replicates : 0, ExactSum{});
   return integrator_->run(
       n, y0_, [&](std::uint32_t word, std::uint32_t r, std::span<const double> partials) {
-        (word < plan_->sum_words() ? sums.values : sums.squares)[r].add(
-            partials, plan_->word_exponent(word));
+        (word < plan_->sum_words() ? sums.values : sums.squares)[r].add(partials,
+                                                                        plan_->word_exponent(word));
       });
 }
 

@@ -165,9 +165,12 @@ void add_work(const CellResult& result, const Json& cell, Json& json) {
 // Null members and why they are.
 Json not_measured(const Json& json) {
   constexpr const char* kOnlyThere = "measured by `koksma stability`";
+  // Of a cell of the suite, whose indices were checked.
+  constexpr const char* kNotHere = "not near a floor, or no sum is finite";
+  const bool there = !json["index"].is_null();
   Json reasons = Json::object();
   for (const char* key : {"index", "repro", "eft_selftest", "precision_gap"})
-    if (json[key].is_null()) reasons[key] = kOnlyThere;
+    if (json[key].is_null()) reasons[key] = there ? kNotHere : kOnlyThere;
   if (json["counters"].is_null())
     reasons["counters"] = "counted by `koksma stability`, and where a sum is not finite";
   return reasons;

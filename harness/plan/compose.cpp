@@ -101,8 +101,14 @@ void append_integrand(std::string& text, const Catalog& catalog, const Integrand
   text += params_source(f, "scalar");
   if (const std::string* solver = solver_of(f, scene.choices)) {
     text += fmt::format("#define KOKSMA_ODE_SIZE {}\n", f.ode_size);
+    const Solver& method = catalog.solver(*solver);
+    if (method.adaptive)
+      text += fmt::format(
+          "#if KOKSMA_FP64\n#define KOKSMA_LEAST_TOLERANCE {:e}\n#else\n"
+          "#define KOKSMA_LEAST_TOLERANCE {:e}f\n#endif\n",
+          method.least_tolerance_fp64, method.least_tolerance_fp32);
     for (const SourceFile& part : catalog.solver_parts) append_piece(text, part);
-    append_piece(text, catalog.solver(*solver).code);
+    append_piece(text, method.code);
   }
   for (const SourceFile& part : f.parts) append_piece(text, part);
   append_piece(text, f.code);

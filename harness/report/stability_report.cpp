@@ -18,11 +18,9 @@ Json range_json(const std::optional<Interval>& range) {
 
 Json demand_json(const std::optional<Demand>& demand) {
   if (!demand) return nullptr;
-  return {{"verdict", demand->verdict},
-          {"overflow", demand->overflow},
-          {"bias", range_json(demand->bias)},
-          {"digits", range_json(demand->digits)},
-          {"note", demand->note}};
+  return {{"verdict", demand->verdict},           {"overflow", demand->overflow},
+          {"held_by", demand->held_by},           {"bias", range_json(demand->bias)},
+          {"digits", range_json(demand->digits)}, {"note", demand->note}};
 }
 
 Json relaxed_json(const std::optional<RelaxedDifference>& relaxed) {
@@ -210,7 +208,9 @@ std::string stability_table(const Json& json) {
 bool all_met(const Json& json) {
   const Json& cases = json["cases"];
   return json["device_checks"]["ok"] == true &&
-         std::none_of(cases.begin(), cases.end(), [](const Json& c) { return c["met"] == false; });
+         std::none_of(cases.begin(), cases.end(), [](const Json& c) {
+           return c["met"] == false || c["cell"]["status"] == "failed";
+         });
 }
 
 }  // namespace koksma

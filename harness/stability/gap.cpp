@@ -38,6 +38,29 @@ std::string exact_sum(const Catalog& catalog) {
   return "";
 }
 
+// The place of the parameter that sets a solver's accuracy: by the contract of solvers
+// (kernels/README.md) it is `steps`, or `tolerance` of one that is adaptive.
+std::optional<std::size_t> accuracy_parameter(const Integrand& f, const Solver& solver) {
+  const char* const wanted = solver.adaptive ? "tolerance" : "steps";
+  for (std::size_t i = 0; i < f.parameters.size(); ++i)
+    if (f.parameters[i].name == wanted) return i;
+  return std::nullopt;
+}
+
+// The cell with the tolerance that its solver really takes in this precision.
+Cell with_effective_tolerance(const Catalog& catalog, Cell cell, Precision precision) {
+  const Integrand& f = catalog.integrand(cell.scene.integrand, "scene");
+  const std::string* name = solver_of(f, cell.scene.choices);
+  if (name == nullptr) return cell;
+  const Solver& solver = catalog.solver(*name);
+  const auto place = accuracy_parameter(f, solver);
+  if (!solver.adaptive || !place) return cell;
+  double& tolerance = cell.scene.parameters[*place];
+  tolerance = std::max(tolerance, precision == Precision::fp32 ? solver.least_tolerance_fp32
+                                                               : solver.least_tolerance_fp64);
+  return cell;
+}
+
 }  // namespace
 
 double Difference::rms_at(std::uint64_t samples) const {
@@ -61,7 +84,8 @@ Difference difference_of(const std::vector<double>& a, const std::vector<double>
 GapMeasurement measure_gap(const Catalog& catalog, Device& device, Device& exact_device,
                            const Cell& cell, std::uint64_t n) {
   GapMeasurement gap;
-  Cell summed = cell;
+  // All at the tolerance of fp32, so that the difference is of rounding alone.
+  Cell summed = with_effective_tolerance(catalog, cell, Precision::fp32);
   summed.sum = "";  // the widest the device has
   try {
     const auto run = [&](Precision precision, bool coarse) {
@@ -106,17 +130,20 @@ std::optional<double> measure_integrator(const Catalog& catalog, Device& device,
   const std::string* name = solver_of(f, cell.scene.choices);
   if (name == nullptr) return std::nullopt;
   const Solver& solver = catalog.solver(*name);
-  // The two parameters that the contract of solvers has (kernels/README.md).
-  const char* const wanted = solver.adaptive ? "tolerance" : "steps";
-  const auto place = std::find_if(f.parameters.begin(), f.parameters.end(),
-                                  [&](const Parameter& p) { return p.name == wanted; });
-  if (place == f.parameters.end()) return std::nullopt;
-  Cell finer = cell;
-  double& value = finer.scene.parameters[static_cast<std::size_t>(place - f.parameters.begin())];
-  value = std::clamp(solver.adaptive ? value / 10 : 2 * value, place->min, place->max);
-  const Precision precision = cell.precision.value_or(Precision::fp64);
-  const auto coarse = estimates_of(catalog, device, exact_device, cell, precision, n);
-  const auto fine = estimates_of(catalog, device, exact_device, finer, precision, n);
+  const auto place = accuracy_parameter(f, solver);
+  if (!place) return std::nullopt;
+  // In the widest precision: what rounds is another term. At the tolerance that the cell's takes.
+  const Precision wide = device.facts().fp64 ? Precision::fp64 : Precision::fp32;
+  const Cell usual =
+      with_effective_tolerance(catalog, cell, cell.precision.value_or(Precision::fp64));
+  Cell finer = usual;
+  double& value = finer.scene.parameters[*place];
+  const double before = value;
+  value = solver.adaptive ? value / 10 : 2 * value;
+  value = std::clamp(value, f.parameters[*place].min, f.parameters[*place].max);
+  if (value == before) return std::nullopt;
+  const auto coarse = estimates_of(catalog, device, exact_device, usual, wide, n);
+  const auto fine = estimates_of(catalog, device, exact_device, finer, wide, n);
   if (!all_finite(coarse) || !all_finite(fine)) return std::nullopt;
   const double rate = std::exp2(solver.order);
   const double factor = solver.adaptive ? 1 : rate / (rate - 1);

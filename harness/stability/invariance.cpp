@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -20,10 +21,12 @@ using Clock = std::chrono::steady_clock;
 constexpr Precision kPrecision = Precision::fp32;
 const Terms kUniform{"U(0,1)", 0, 1, 0};
 
-// Widths with a work-group size each: a size is part of the program, so all pairs would be many.
+// The widest and the narrowest items with two work-group sizes each: a size is part of the program,
+// so all pairs would be many.
 std::vector<LaunchShape> item_shapes(const DeviceFacts& device) {
   std::vector<LaunchShape> shapes;
-  const std::pair<std::uint32_t, std::uint32_t> pairs[] = {{16, 1}, {8, 1}, {4, 16}, {1, 64}};
+  const std::pair<std::uint32_t, std::uint32_t> pairs[] = {{16, 1}, {16, 4}, {8, 1},
+                                                           {4, 16}, {1, 1},  {1, 64}};
   for (const auto& [lanes, local] : pairs) {
     const auto most =
         static_cast<std::uint32_t>(std::min<std::uint64_t>(local, device.max_work_group_size));
@@ -64,15 +67,22 @@ Results results_of(const Catalog& catalog, Device& device, const SumAlgorithm& s
 }
 
 InvarianceRow summarise(const SumAlgorithm& sum, const Results& results) {
-  InvarianceRow row{sum.name, sum.order_free, 0, 0, 0};
-  std::set<double> all;
+  InvarianceRow row{sum.name, sum.order_free, 0, 0, 0, true};
+  std::set<std::uint64_t> all;  // bits: of NaNs, too, and of zeros of either sign
+  double least = INFINITY, most = -INFINITY;
   for (const auto& [block, values] : results) {
-    const std::set<double> distinct(values.begin(), values.end());
+    std::set<std::uint64_t> distinct;
+    for (const double value : values) {
+      distinct.insert(std::bit_cast<std::uint64_t>(value));
+      least = std::min(least, value);
+      most = std::max(most, value);
+      row.finite = row.finite && std::isfinite(value);
+    }
     row.most_of_one_block = std::max(row.most_of_one_block, distinct.size());
     all.insert(distinct.begin(), distinct.end());
   }
   row.distinct = all.size();
-  row.spread = (*all.rbegin() - *all.begin()) / std::fabs(*all.rbegin());
+  row.spread = (most - least) / std::max(std::fabs(most), std::fabs(least));
   return row;
 }
 
@@ -90,6 +100,8 @@ Invariance measure_invariance(const Catalog& with_terms, Device& device,
     if (!asked.empty() && std::find(asked.begin(), asked.end(), sum.name) == asked.end()) continue;
     if (sum.needs_fp64 && !device.facts().fp64) continue;
     const InvarianceRow row = summarise(sum, results_of(with_terms, device, sum, options));
+    if (result.why.empty() && !row.finite)
+      result.why = fmt::format("sum '{}' is not finite", row.sum);
     if (result.why.empty() && row.most_of_one_block > 1)
       result.why =
           fmt::format("sum '{}': {} results for one block length", row.sum, row.most_of_one_block);

@@ -18,7 +18,8 @@ struct InvarianceRow {
   std::size_t distinct = 0;  // results over all shapes
   std::size_t most_of_one_block =
       0;              // results over the shapes of one block length, the most of any
-  double spread = 0;  // (largest - smallest) / |exact|
+  double spread = 0;  // (largest - smallest) / largest absolute value
+  bool finite = true;
 };
 
 struct Invariance {

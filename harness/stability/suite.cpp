@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "catalog/embedded.hpp"
 #include "catalog/json.hpp"
 
@@ -30,8 +32,8 @@ std::optional<Interval> range_of(const Json& given, const char* key) {
 }
 
 Demand demand_of(const Json& given) {
-  return {given["verdict"], given.value("overflow", false), range_of(given, "bias"),
-          range_of(given, "digits"), given["note"]};
+  return {given["verdict"],        given.value("overflow", false), given.value("held_by", ""),
+          range_of(given, "bias"), range_of(given, "digits"),      given["note"]};
 }
 
 class SuiteBuilder {
@@ -86,8 +88,10 @@ Suite full_suite(const Catalog& catalog) {
 
 Suite suite_of(const Catalog& catalog, const std::vector<std::string>& scenes) {
   SuiteBuilder builder(catalog);
+  std::set<std::string> seen;
   for (const std::string& text : scenes) {
     const Scene scene = parse_scene(catalog, text, "--scene");
+    if (!seen.insert(text).second) continue;
     const Integrand& f = catalog.integrand(scene.integrand, "--scene");
     builder.add_cases(f, text == f.name ? "" : scene.text);
     builder.add_usual(scene.text);

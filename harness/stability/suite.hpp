@@ -15,6 +15,7 @@ namespace koksma {
 struct Demand {
   std::string verdict;
   bool overflow = false;           // the mark OVERFLOW: there, or not
+  std::string held_by;             // the floor that the error is known to be; may be empty
   std::optional<Interval> bias;    // of the integrator's relative bias, E f_h / I − 1
   std::optional<Interval> digits;  // of −log10 of the relative RMSE, at the largest N
   std::string note;                // why

@@ -15,10 +15,20 @@ namespace {
 // An error is near a floor below so many formula estimates of it, which may be a hundred times too
 // low or high; above, measuring it would change nothing.
 constexpr double kNearFloor = 1e4;
+// Standard deviation of the rounding of a result to double, relative: a uniform error of half an
+// ulp, which is 2^-53 to 2^-54 of it.
+constexpr double kResultRounding = 0x1p-53 / 2;
 constexpr double kWithin = 10;  // of estimated and seen floors
+// Relative sampling error of a case whose integrator bias is demanded: five of what is measured.
+constexpr double kSampled = 0.01;
 
 bool has_verdict(const CellResult& result, std::initializer_list<std::string_view> verdicts) {
   return std::find(verdicts.begin(), verdicts.end(), result.stability.verdict) != verdicts.end();
+}
+
+// Are its floors known without the errors of its own rows?
+bool predicts(const CellResult& result) {
+  return !result.ode || result.exact.discrete_mean || result.detail.floors.integrator;
 }
 
 // A cell whose errors mean something.
@@ -51,7 +61,8 @@ std::string dominating(const CellResult& result) {
 
 std::optional<double> relative_digits(const CellResult& result) {
   const auto& rmse = result.rows.back().errors.rmse;
-  if (!rmse || !(*rmse > 0) || !result.exact.mean) return std::nullopt;
+  if (!rmse || !(*rmse > 0) || !result.exact.mean || has_verdict(result, {"UNRESOLVED"}))
+    return std::nullopt;
   const double scale =
       *result.exact.mean != 0 ? std::fabs(*result.exact.mean) : result.exact.mean_abs.value_or(1.0);
   if (!(*rmse < scale)) return std::nullopt;  // no digit of it is right
@@ -75,7 +86,8 @@ class CaseRunner {
         device_(device),
         exact_device_(exact_device),
         rows_(rows),
-        options_(options) {}
+        options_(options),
+        self_test_(catalog, device) {}
 
   CaseOutcome run(const Cell& cell, const std::optional<Demand>& demand) {
     CaseOutcome outcome;
@@ -84,8 +96,9 @@ class CaseRunner {
     try {
       PlanOptions with_counters;
       with_counters.counters = true;
-      PreparedCell prepared(catalog_, device_, exact_device_,
-                            make_plan(catalog_, cell, device_.facts(), "", with_counters));
+      Plan plan = make_plan(catalog_, cell, device_.facts(), "", with_counters);
+      self_test_.require(plan);
+      PreparedCell prepared(catalog_, device_, exact_device_, std::move(plan));
       result = prepared.run(rows_);
       add_detail(prepared, result);
       outcome.cell = cell_to_json(catalog_, result, &prepared.plan());
@@ -105,12 +118,13 @@ class CaseRunner {
   void refuse(const Cell& cell, CellStatus status, const std::string& reason,
               CaseOutcome& outcome) {
     outcome.cell = cell_to_json(catalog_, refused_cell(cell, status, reason), nullptr);
-    if (outcome.demand) outcome.faults.push_back(reason);
+    // A demand that could not be tried is not met; a failure is one without any.
+    if (outcome.demand || status == CellStatus::failed) outcome.faults.push_back(reason);
   }
 
   void add_detail(PreparedCell& prepared, CellResult& result) {
     if (options_.checks != nullptr) add_checks(*options_.checks, result);
-    result.detail.reproducibility = block_lengths(prepared);
+    result.detail.reproducibility = over_launches(prepared);
     if (measurable(result)) {
       const bool ode = result.ode && !result.exact.discrete_mean;
       if (ode || near_floor(result)) measure_floors(prepared, result, ode);
@@ -130,9 +144,11 @@ class CaseRunner {
     result.detail.eft_selftest = checks.eft_ok;
   }
 
-  // At the middle of the curve: what is seen at its end is then predicted, not repeated.
+  // At the middle of the curve, of other replicates: what is seen at its end is predicted, not
+  // repeated.
   void measure_floors(PreparedCell& prepared, CellResult& result, bool ode) {
     Cell cell = prepared.plan().cell;
+    ++cell.seed;  // other randomizations than those of the rows
     const std::uint64_t middle = cell.n[cell.n.size() / 2];
     const GapMeasurement gap = measure_gap(catalog_, device_, exact_device_, cell, middle);
     result.detail.floors = floors_from(gap, prepared.plan().precision, cell.n.back());
@@ -147,35 +163,44 @@ class CaseRunner {
           measure_integrator(catalog_, device_, exact_device_, cell, middle);
     // A running sum's error grows with N, so it is measured at the end.
     const auto sum = measure_summation(catalog_, device_, exact_device_, cell, cell.n.back());
-    if (sum) result.detail.floors.summation = sum->rms_at(cell.n.back());
+    // The result is rounded once more, which both share.
+    const double rounded = kResultRounding * std::fabs(result.exact.mean.value_or(0));
+    if (sum) result.detail.floors.summation = std::max(sum->rms_at(cell.n.back()), rounded);
   }
 
-  // The same replicates summed in blocks of other lengths, by the same program.
-  Reproducibility block_lengths(PreparedCell& prepared) {
-    Reproducibility found;
-    const std::uint64_t n = prepared.plan().cell.n.front();
+  // The same replicate summed in blocks of other lengths, in one launch and in two, by the same
+  // program. Nothing of a sum that is not finite.
+  static std::optional<Reproducibility> over_launches(PreparedCell& prepared) {
+    const Plan& plan = prepared.plan();
+    const std::uint64_t n = plan.cell.n.front();
     const std::uint32_t usual = prepared.integrator().log2_block(n);
     std::vector<double> values;
     for (const std::uint32_t log2_block :
          {usual, std::max(usual, 5U) - 1, std::max(usual, 6U) - 2}) {
-      ExactSum sum;
-      const std::uint64_t length = std::uint64_t{1} << log2_block;
-      prepared.integrator().run_blocks(
-          n, log2_block, 0, (n + length - 1) / length, 1, 0.0,
-          [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
-            if (word < prepared.plan().sum_words())
-              sum.add(partials, prepared.plan().word_exponent(word));
-          });
-      values.push_back(sum.rounded_quotient(n));
-      ++found.launch_shapes;
+      const std::uint64_t blocks = ((n - 1) >> log2_block) + 1;
+      for (const std::uint64_t cut : {blocks, blocks / 2}) {
+        ExactSum sum;
+        const auto take = [&](std::uint32_t word, std::uint32_t, std::span<const double> partials) {
+          if (word < plan.sum_words()) sum.add(partials, plan.word_exponent(word));
+        };
+        prepared.integrator().run_blocks(n, log2_block, 0, cut, 1, 0.0, take);
+        prepared.integrator().run_blocks(n, log2_block, cut, blocks, 1, 0.0, take);
+        values.push_back(sum.rounded_quotient(n));
+        if (!std::isfinite(values.back())) return std::nullopt;
+      }
     }
+    Reproducibility found;
+    found.launch_shapes = values.size();
     std::sort(values.begin(), values.end());
+    const double largest = std::max(std::fabs(values.front()), std::fabs(values.back()));
     const double spread = values.back() - values.front();
-    const double unit =
-        std::nextafter(std::fabs(values.back()), INFINITY) - std::fabs(values.back());
     values.erase(std::unique(values.begin(), values.end()), values.end());
     found.distinct_sums = values.size();
-    if (std::isfinite(spread)) found.ulp_spread = spread / unit;
+    const auto narrow = static_cast<float>(largest);
+    const double unit = plan.fp64()
+                            ? std::nextafter(largest, INFINITY) - largest
+                            : static_cast<double>(std::nextafter(narrow, INFINITY)) - narrow;
+    found.ulp_spread = spread / unit;
     return found;
   }
 
@@ -183,12 +208,20 @@ class CaseRunner {
     outcome.verdict = result.stability.verdict;
     outcome.digits = relative_digits(result);
     outcome.dominates = dominating(result);
-    if (const Floor* floor = largest_floor(result.floors)) {
+    if (measurable(result) && predicts(result)) {
       outcome.floor_predicted = result.floors.predicted_total();
-      outcome.floor_bound = floor->bound;
+      if (const Floor* floor = largest_floor(result.floors)) outcome.floor_bound = floor->bound;
     }
-    if (result.rate.plateau.kind == PlateauKind::numeric)
-      outcome.floor_seen = result.rate.plateau.level;
+    const auto& rmse = result.rows.back().errors.rmse;
+    const bool known = outcome.demand && !outcome.demand->held_by.empty();
+    const bool expected = outcome.demand && outcome.demand->verdict == "PLATEAU_NUMERIC";
+    const PlateauKind end = result.rate.plateau.kind;
+    if (end == PlateauKind::numeric || (expected && end != PlateauKind::none))
+      outcome.floor_seen = result.rate.plateau.slope > kFlatSlope && rmse
+                               ? *rmse  // one that rises has no level
+                               : result.rate.plateau.level;
+    else if (known && rmse)
+      outcome.floor_seen = *rmse;
     if (outcome.demand) outcome.faults = unmet(*outcome.demand, outcome, result);
   }
 
@@ -199,8 +232,9 @@ class CaseRunner {
       options.relaxed_math = true;
       Cell last = cell;
       last.n = {strict.rows.back().n};
-      PreparedCell prepared(catalog_, device_, exact_device_,
-                            make_plan(catalog_, last, device_.facts(), "", options));
+      Plan plan = make_plan(catalog_, last, device_.facts(), "", options);
+      self_test_.require(plan);
+      PreparedCell prepared(catalog_, device_, exact_device_, std::move(plan));
       const Row row = prepared.run_row(last.n.front());
       for (std::size_t r = 0; r < row.estimates.size(); ++r)
         found.difference += (row.estimates[r] - strict.rows.back().estimates[r]) /
@@ -221,6 +255,7 @@ class CaseRunner {
   Device& exact_device_;
   std::size_t rows_;
   const SuiteOptions& options_;
+  EftSelfTest self_test_;
 };
 
 void check_range(const std::optional<Interval>& range, const std::optional<double>& value,
@@ -243,10 +278,15 @@ std::vector<std::string> unmet(const Demand& demand, const CaseOutcome& outcome,
   const auto& marks = result.stability.marks;
   const bool overflow = std::find(marks.begin(), marks.end(), "OVERFLOW") != marks.end();
   if (overflow != demand.overflow)
-    faults.push_back(overflow ? "marked OVERFLOW" : "not marked OVERFLOW");
+    faults.push_back(fmt::format("{}marked OVERFLOW", overflow ? "" : "not "));
   std::optional<double> bias;
   if (result.ode && result.ode->integrator_bias && result.exact.mean && *result.exact.mean != 0)
     bias = *result.ode->integrator_bias / *result.exact.mean;
+  // The bias is of closed forms; this is what says that the kernel samples the same solution.
+  if (demand.bias && result.ode && result.exact.discrete_mean &&
+      !(result.ode->sampling_rmse &&
+        *result.ode->sampling_rmse <= kSampled * std::fabs(*result.exact.discrete_mean)))
+    faults.push_back(fmt::format("the samples are not those of the {}", "discrete reference"));
   check_range(demand.bias, bias, "relative bias of the integrator", faults);
   check_range(demand.digits, outcome.digits, "digits", faults);
   return faults;

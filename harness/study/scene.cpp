@@ -43,6 +43,9 @@ void set_parameter(Scene& scene, const Integrand& f, std::string_view key, doubl
     if (!(value >= p.min && value <= p.max))
       throw InputError(where, fmt::format("{} = {} is out of range for '{}'", key, value, f.name),
                        fmt::format("allowed: {} to {} ({})", p.min, p.max, p.meaning));
+    if (p.integer && value != std::floor(value))
+      throw InputError(where, fmt::format("{} = {} for '{}'", key, value, f.name),
+                       fmt::format("a whole number from {} to {} ({})", p.min, p.max, p.meaning));
     scene.parameters[i] = value;
     return;
   }

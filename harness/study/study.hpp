@@ -51,8 +51,8 @@ struct StudyFlags {
   bool own_directions = false;  // --directions: the file sets the limit on d
 };
 
-// "NAME" or "NAME:key=value,…"; values are numbers, fractions a/b, or one of a choice's; the key d is the
-// dimension.
+// "NAME" or "NAME:key=value,…"; values are numbers, fractions a/b, or one of a choice's; the key d
+// is the dimension.
 Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_view where);
 
 // The scene of an entry's check or case: `values` holds the parameters and choices that differ from

@@ -64,6 +64,10 @@ static double exact_variance(params q, uint d) {
   return variance;
 }
 
+static double exact_bound(params q, uint d) {
+  return q.species == 2.0 ? sqrt(1.1 * 0.04 / (0.9 * 3e7)) : 1.0;
+}
+
 // The fast eigenvalue is the trace but for O(1): k1 + k2 y3 + 2 k3 y2, largest at the largest rates, either at the end
 // or where y2 first balances its loss, 2 sqrt(k1 k3).
 static double exact_stiffness(params q, uint d) {

@@ -3,12 +3,6 @@
 // Newton iteration. The coefficients are those of the authors' code in its transformed variables u; the order
 // conditions hold to 1e-15 with them. Every lane has its own step.
 #define KOKSMA_RODAS_ATTEMPTS 20000
-// Smaller tolerances would be met by steps of rounding errors only.
-#if KOKSMA_FP64
-#define KOKSMA_LEAST_TOLERANCE R(1e-14)
-#else
-#define KOKSMA_LEAST_TOLERANCE R(2e-6)
-#endif
 
 // du = f(t, y + sum_j a_j u_j) + sum_j c_j u_j / h + shift f_t, then the linear system: the stage u of the step.
 static inline void rodas_stage(const ode *m, const real *a, const mask *exchanged, real t, real inverse_h,
@@ -86,7 +80,8 @@ static inline void rodas_step(const ode *m, real t, real h, const real *y, real 
 // the step shrinks or grows by 0.9 (1 / error)^(1/4), within 1/5 and 5, so that the estimate meets the tolerance.
 static inline void ode_solve(const ode *m, real t0, real t1, uint steps, real tolerance, real *y) {
   const uint n = KOKSMA_ODE_SIZE;
-  const real least = fmax(tolerance, KOKSMA_LEAST_TOLERANCE);
+  // Smaller tolerances would be met by steps of rounding errors only.
+  const real least = fmax(tolerance, (real)KOKSMA_LEAST_TOLERANCE);
   real t = t0, h = (t1 - t0) * fmin(R(10.0) * least, R(1.0) / (real)(scalar)steps);
   mask active = t < t1;
   for (uint attempt = 0; attempt < KOKSMA_RODAS_ATTEMPTS && any_lane(active); ++attempt) {
