@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <cfloat>
 #include <cmath>
+#include <span>
 
 #include "estimate/exact_sum.hpp"
 #include "estimate/measure.hpp"
@@ -160,8 +161,10 @@ TEST_CASE("a naive form is not finite at exactly the points where it overflows",
   const auto beyond = [&](std::uint32_t dim) {
     const auto x = test::points({.sampler = "sobol-owen", .dim = dim, .count = kPoints});
     std::uint64_t count = 0;
-    for (std::uint64_t i = 0; i < kPoints; ++i)
-      count += *std::max_element(x.begin() + i * dim, x.begin() + (i + 1) * dim) * 1000 > kOverflow;
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      const auto coordinates = std::span(x).subspan(i * dim, dim);
+      count += *std::max_element(coordinates.begin(), coordinates.end()) * 1000 > kOverflow ? 1 : 0;
+    }
     return count;
   };
   const auto nonfinite = [&](const std::string& scene) {

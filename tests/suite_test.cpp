@@ -115,7 +115,7 @@ TEST_CASE("a difference keeps what replicates share and averages out the rest", 
   const Difference random = difference_of({1, -1, 1, -1}, {0, 0, 0, 0}, 256);
   CHECK(random.mean == 0);
   CHECK(random.rms_at(256) == Approx(std::sqrt(4.0 / 3)));
-  CHECK(random.rms_at(256 * 16) == Approx(std::sqrt(4.0 / 3) / 4));
+  CHECK(random.rms_at(4096) == Approx(std::sqrt(4.0 / 3) / 4));
   const Difference single = difference_of({3}, {1}, 16);
   CHECK(single.rms_at(64) == 2);
 }

@@ -102,7 +102,7 @@ std::string why_cell_unresolved(const CellFacts& facts) {
   const double estimate = facts.errors.mean.value_or(1);
   resolution.hit_nothing =
       hit_nothing(facts.mean, facts.mean_abs, std::span(&estimate, 1), facts.hits);
-  const std::string reason = why_unresolved(resolution);
+  std::string reason = why_unresolved(resolution);
   if (reason.empty()) return facts.unresolved_row;
   if (resolution.hit_nothing) return reason;
   const bool exactly = facts.n_eff && !(*facts.n_eff >= kFewestEffective);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "device/check_integrand.hpp"
 #include "error/error.hpp"
 #include "estimate/measure.hpp"
 #include "journal/cell_json.hpp"
@@ -96,6 +97,8 @@ class CaseRunner {
     try {
       PlanOptions with_counters;
       with_counters.counters = true;
+      if (catalog_.integrand(cell.scene.integrand, "scene").users_own)
+        check_user_integrand(catalog_, device_, exact_device_, cell);
       Plan plan = make_plan(catalog_, cell, device_.facts(), "", with_counters);
       self_test_.require(plan);
       PreparedCell prepared(catalog_, device_, exact_device_, std::move(plan));

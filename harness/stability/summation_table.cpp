@@ -162,7 +162,7 @@ std::string why_row_wrong(const SummationRow& row) {
 std::string why_wrong(const SummationTable& table, const EftResult& relaxed_self_test) {
   if (!table.host_agrees) return "an exact sum differs from the host's of the same values";
   for (const SummationRow& row : table.rows)
-    if (const std::string why = why_row_wrong(row); !why.empty()) return why;
+    if (std::string why = why_row_wrong(row); !why.empty()) return why;
   for (const RelaxedSum& sum : table.relaxed)
     if (sum.compensated && sum.changed && relaxed_self_test.intact())
       return fmt::format("relaxed math changes sum '{}' and the self-test does not notice",

@@ -57,7 +57,7 @@ Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_vie
 
 // The scene of an entry's check or case: `values` holds the parameters and choices that differ from
 // their defaults. Nothing is checked.
-Scene scene_of(const Integrand& integrand, std::uint32_t dim, const Json& values);
+Scene scene_of(const Integrand& f, std::uint32_t dim, const Json& values);
 
 // "2^8..2^20" (every power of two between), "1000", "2^10", or a comma-separated list of these;
 // ascending.
