@@ -54,8 +54,10 @@ TEST_CASE("the canonical text of a scene parses to the same scene and is its own
   for (const Integrand& f : test::catalog().integrands) {
     std::string text = f.name + ":d=" + std::to_string(f.max_dim);
     // A number without a short decimal form, inside the range.
-    for (const Parameter& p : f.parameters)
-      text += fmt::format(",{}={}", p.name, p.min + (p.max - p.min) / 3);
+    for (const Parameter& p : f.parameters) {
+      const double value = p.min + (p.max - p.min) / 3;
+      text += fmt::format(",{}={}", p.name, p.integer ? std::floor(value) : value);
+    }
     const Scene once = scene(text);
     const Scene twice = scene(once.text);
     INFO(once.text);
@@ -97,6 +99,29 @@ TEST_CASE("a parameter out of range names the allowed range, for every parameter
     }
   }
   CHECK(parameters > 10);
+}
+
+TEST_CASE("whole-number parameters refuse fractions, and choices all values but theirs", "[unit]") {
+  std::size_t whole = 0, choices = 0;
+  for (const Integrand& f : test::catalog().integrands) {
+    for (const Parameter& p : f.parameters) {
+      if (!p.integer) continue;
+      ++whole;
+      CHECK_THROWS_WITH(scene(fmt::format("{}:{}={}", f.name, p.name, p.min + 0.5)),
+                        Contains("a whole number from"));
+    }
+    for (const Choice& c : f.choices) {
+      ++choices;
+      for (const std::string& value : c.allowed) {
+        const Scene given = scene(fmt::format("{}:{}={}", f.name, c.name, value));
+        CHECK(scene(given.text).choices == given.choices);
+      }
+      CHECK_THROWS_WITH(scene(fmt::format("{}:{}=x", f.name, c.name)),
+                        Contains(c.name) && Contains("known: ") && Contains(c.allowed.front()));
+    }
+  }
+  CHECK(whole > 5);
+  CHECK(choices > 5);
 }
 
 TEST_CASE("an unknown parameter and an unknown scene are told with the nearest spelling",

@@ -225,6 +225,7 @@ class CaseRunner {
                                : result.rate.plateau.level;
     else if (known && rmse)
       outcome.floor_seen = *rmse;
+    if (known) outcome.dominates = fmt::format("{}, as its entry says", outcome.demand->held_by);
     if (outcome.demand) outcome.faults = unmet(*outcome.demand, outcome, result);
   }
 
