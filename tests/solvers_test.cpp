@@ -155,7 +155,7 @@ TEST_CASE("one step of every solver on y' = z y gives its stability function to 
     for (const bool fp64 : {true, false}) {
       const auto y = solve({k, 0, 1, 1e30, z, filled(1)}, fp64);
       for (std::size_t l = 0; l < kLanes; ++l)
-        for (const int half : {0, 1}) {
+        for (const std::size_t half : {0U, 1U}) {
           // The arithmetic is that of the lane's z.
           const double rate = fp64 ? z[l] : static_cast<double>(static_cast<float>(z[l]));
           const double expected = growth(solvers()[k], half == 0 ? rate : rate / 2);

@@ -164,7 +164,7 @@ TEST_CASE("a NaN or infinite term is never lost, and exact sums tell them apart 
       const SumAlgorithm& sum = *sums[k];
       INFO(sum.name << " " << precision_name(range.precision));
       for (const double fault : {kNan, -kNan, kInfinity, -kInfinity}) {
-        for (std::size_t place : {0, 1, 6}) {
+        for (const std::size_t place : {0U, 1U, 6U}) {
           std::vector<double> terms{1, 2, 3, -4, 5, 6, 7};
           terms[place] = fault;
           CHECK(device.add_up(k, terms, 7).nonfinite() > 0);
