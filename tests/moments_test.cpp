@@ -27,13 +27,15 @@ TEST_CASE("sampled variances and mean absolute values meet the exact ones", "[st
                             if (word == 0) values.insert(values.end(), p.begin(), p.end());
                           });
     REQUIRE(values.size() == 1 << 16);
+    // A solver leaves an error of its own, which scenes without variance show.
+    const double own = plan.integrand->ode_size > 0 ? 1e-8 : 0;
     const auto meets = [&](auto quantity, double expected) {
       double mean = 0, square = 0;
       for (const double y : values) mean += quantity(y) / 65536;
       for (const double y : values) square += std::pow(quantity(y) - mean, 2) / 65536;
       INFO(scene << ": sampled " << mean << ", exact " << expected);
       CHECK(std::fabs(mean - expected) <=
-            8 * std::sqrt(square / 65536) + 1e-14 * std::fabs(expected));
+            8 * std::sqrt(square / 65536) + 1e-14 * std::fabs(expected) + own);
     };
     if (exact.mean_abs) meets([](double y) { return std::fabs(y); }, *exact.mean_abs);
     if (exact.mean && exact.variance)
