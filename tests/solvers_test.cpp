@@ -51,6 +51,11 @@ ProgramSource program(bool fp64) {
       "#define KOKSMA_LANES_PER_ITEM {}\n#define KOKSMA_FP64 {}\n#define KOKSMA_DIM 1\n"
       "#define KOKSMA_UNROLLED 1\n#define KOKSMA_CENTRED 1\n#define KOKSMA_ODE_SIZE 2\n{}\n",
       kLanes, fp64 ? 1 : 0, embedded_text("kernels/prelude.cl"));
+  // Only one solver is adaptive, so that one least tolerance serves for all.
+  for (const Solver& solver : test::catalog().solvers)
+    if (solver.adaptive)
+      text += fmt::format("#define KOKSMA_LEAST_TOLERANCE (KOKSMA_FP64 ? {:e} : {:e})\n",
+                          solver.least_tolerance_fp64, solver.least_tolerance_fp32);
   for (const SourceFile& part : test::catalog().solver_parts) text += part.text;
   text += kProblems;
   std::string calls;
