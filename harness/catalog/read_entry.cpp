@@ -111,6 +111,34 @@ void check_ranges(const Integrand& f, std::string_view where) {
   }
 }
 
+// The values of checks and cases are of parameters and choices that there are: a name misspelt
+// would stand for the default, without a word.
+void check_values(const Json& entry, const Integrand& f, std::string_view where) {
+  std::vector<std::string> known;
+  for (const Parameter& p : f.parameters) known.push_back(p.name);
+  for (const Choice& c : f.choices) known.push_back(c.name);
+  for (const char* key : {"checks", "sample_checks", "stability"}) {
+    const Json list = entry.value(key, Json::array());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::string at = fmt::format("{}, at '/{}/{}/parameters'", where, key, i);
+      const Json& values = list[i]["parameters"];
+      for (const auto& [name, value] : values.items()) {
+        if (std::find(known.begin(), known.end(), name) == known.end())
+          throw unknown_name(at, "parameter", name, known);
+        const auto choice = std::find_if(f.choices.begin(), f.choices.end(),
+                                         [&](const Choice& c) { return c.name == name; });
+        if (value.is_string() != (choice != f.choices.end()))
+          throw InputError(at, fmt::format("{} = {}", name, value.dump()),
+                           "a parameter is a number, a choice one of its values");
+        if (choice != f.choices.end() && std::find(choice->allowed.begin(), choice->allowed.end(),
+                                                   value) == choice->allowed.end())
+          throw unknown_name(at, fmt::format("value of {}", name), value.get<std::string>(),
+                             choice->allowed);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Sampler read_sampler(const Json& entry, const std::string& family) {
@@ -261,6 +289,7 @@ Integrand read_integrand(const Json& entry, const Json& classes, std::string_vie
   f.code = std::move(code);
 
   check_ranges(f, where);
+  check_values(entry, f, where);
   const bool solves = std::any_of(f.choices.begin(), f.choices.end(),
                                   [](const Choice& choice) { return choice.is_solver; });
   if (solves != (f.ode_size > 0))

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace koksma {
 
@@ -57,26 +56,32 @@ void take(Floor& floor, const std::optional<double>& measured) {
   floor.reason = "measured";
 }
 
-using Named = std::pair<std::string_view, std::optional<double>>;
+struct Named {
+  std::string_view name;
+  std::optional<double> estimate;
+  const Floor* floor = nullptr;
+};
 
 Named largest(const Floors& floors) {
-  Named best{"", std::nullopt};
-  for (const Named& each :
-       {Named{"integrator", floors.integrator.estimate},
-        Named{"coordinate", floors.coordinate.estimate},
-        Named{"integrand", floors.integrand.estimate},
-        Named{"summation", floors.summation.estimate}, Named{"reference", floors.reference}}) {
+  Named best;
+  for (const Named& each : {Named{"integrator", floors.integrator.estimate, &floors.integrator},
+                            Named{"coordinate", floors.coordinate.estimate, &floors.coordinate},
+                            Named{"integrand", floors.integrand.estimate, &floors.integrand},
+                            Named{"summation", floors.summation.estimate, &floors.summation},
+                            Named{"reference", floors.reference}}) {
     // A NaN is larger than nothing.
-    if (each.second && *each.second > best.second.value_or(0)) best = each;
+    if (each.estimate && *each.estimate > best.estimate.value_or(0)) best = each;
   }
   return best;
 }
 
 }  // namespace
 
-double Floors::predicted_total() const { return largest(*this).second.value_or(0); }
+double Floors::predicted_total() const { return largest(*this).estimate.value_or(0); }
 
-std::string_view Floors::dominant() const { return largest(*this).first; }
+std::string_view Floors::dominant() const { return largest(*this).name; }
+
+const Floor* Floors::dominant_floor() const { return largest(*this).floor; }
 
 Floors predict_floors(const FloorFacts& facts, const MeasuredFloors& measured) {
   Floors floors;
@@ -89,6 +94,7 @@ Floors predict_floors(const FloorFacts& facts, const MeasuredFloors& measured) {
   take(floors.coordinate, measured.coordinate);
   take(floors.integrand, measured.integrand);
   take(floors.summation, measured.summation);
+  floors.summation.estimate = std::max(*floors.summation.estimate, facts.result_rounding);
   return floors;
 }
 

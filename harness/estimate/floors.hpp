@@ -45,7 +45,8 @@ struct FloorFacts {
   std::optional<double> discrete_mean;  // of its numerical solution
   std::optional<double> mean_error;  // of the replicates, where it is N-independent and no chance
   double summation = 0, summation_bound = 0;  // E
-  std::optional<double> reference;            // standard error of what stands for the integral
+  double result_rounding = 0;  // rms of the rounding of the result to double, which every sum has
+  std::optional<double> reference;  // standard error of what stands for the integral
 };
 
 struct Floors {
@@ -58,6 +59,8 @@ struct Floors {
   // Its name: "integrator", "coordinate", "integrand", "summation", "reference"; "": none is known,
   // or all are 0.
   std::string_view dominant() const;
+  // That term; nullptr for "reference" and "".
+  const Floor* dominant_floor() const;
 };
 
 // B = |E f_h − E f|. C = 2^-(b+1) Σ |E f(x_i=1) − E f(x_i=0)| where coordinates are rounded down

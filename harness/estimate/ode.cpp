@@ -39,6 +39,11 @@ std::optional<double> largest_growth(std::span<const double> numerator,
   return largest;
 }
 
+std::optional<double> OdeReport::relative_bias(const std::optional<double>& mean) const {
+  if (!integrator_bias || !mean || *mean == 0) return std::nullopt;
+  return *integrator_bias / *mean;
+}
+
 OdeReport report_ode(std::span<const double> estimates, const std::optional<double>& mean,
                      const std::optional<double>& discrete_mean) {
   OdeReport report;

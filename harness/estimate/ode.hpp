@@ -19,6 +19,9 @@ struct OdeReport {
   std::string_view bias_from;  // "discrete mean" | "replicates"; "": there is none
   std::optional<double> stiffness, max_abs_r;
   std::optional<std::uint64_t> blow_ups;  // samples above 10 times the bound; none: not counted
+
+  // Of the integrator, in units of the true integral; none where that is 0 or not known.
+  std::optional<double> relative_bias(const std::optional<double>& mean) const;
 };
 
 // max |R(z)| for z in [−stiffness, 0], R = numerator/denominator with coefficients by ascending

@@ -36,9 +36,9 @@ void add_summation(const CellContext& context, std::uint64_t n, double scale, Fl
   facts.summation_bound = bound.of(scale) + result;
   const double accumulators = std::max(1.0, static_cast<double>(n) / n_per_lane);
   const bool constant = facts.sd && *facts.sd == 0;
-  facts.summation = std::max(
-      constant ? kConstantRounding * bound.of(scale) : estimate.of(scale) / std::sqrt(accumulators),
-      kResultRounding * result);
+  facts.summation =
+      constant ? kConstantRounding * bound.of(scale) : estimate.of(scale) / std::sqrt(accumulators);
+  facts.result_rounding = kResultRounding * result;
 }
 
 }  // namespace

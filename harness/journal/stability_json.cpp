@@ -90,15 +90,12 @@ Json ode_json(const CellResult& result) {
   if (!result.ode) return nullptr;
   const OdeReport& ode = *result.ode;
   const auto word = [](std::string_view text) { return text.empty() ? Json(nullptr) : Json(text); };
-  const std::optional<double> mean = result.exact.mean;
   Json json;
   json["sampling_rmse"] = number_or_null(ode.sampling_rmse);
   json["sampling_against"] = word(ode.sampling_against);
   json["total_rmse"] = number_or_null(ode.total_rmse);
   json["integrator_bias"] = number_or_null(ode.integrator_bias);
-  json["relative_bias"] = ode.integrator_bias && mean && *mean != 0
-                              ? number_or_null(*ode.integrator_bias / *mean)
-                              : Json(nullptr);
+  json["relative_bias"] = number_or_null(ode.relative_bias(result.exact.mean));
   json["bias_standard_error"] = number_or_null(ode.bias_error);
   json["bias_from"] = word(ode.bias_from);
   json["stiffness"] = number_or_null(ode.stiffness);
@@ -166,7 +163,7 @@ void add_work(const CellResult& result, const Json& cell, Json& json) {
 Json not_measured(const Json& json) {
   constexpr const char* kOnlyThere = "measured by `koksma stability`";
   // Of a cell of the suite, whose indices were checked.
-  constexpr const char* kNotHere = "not near a floor, or no sum is finite";
+  constexpr const char* kNotHere = "the error is not near a floor, or a sum is not finite";
   const bool there = !json["index"].is_null();
   Json reasons = Json::object();
   for (const char* key : {"index", "repro", "eft_selftest", "precision_gap"})

@@ -12,7 +12,6 @@ namespace {
 // CL1.2 is what every implementation has; -w keeps vector code's unused-function warnings off the
 // terminal.
 constexpr const char* kOptions = "-cl-std=CL1.2 -w";
-constexpr const char* kRelaxedOptions = "-cl-std=CL1.2 -w -cl-fast-relaxed-math";
 
 void append_piece(std::string& text, const SourceFile& piece) {
   text += fmt::format("#line 1 \"{}\"\n{}\n", piece.path, piece.text);
@@ -132,7 +131,7 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
   append_embedded(text, integrates ? "kernels/integrate.cl" : "kernels/inspect.cl");
   const std::string scene = plan.integrand == nullptr ? "points" : plan.integrand->name;
   return {fmt::format("the kernel of {} with {}", scene, plan.sampler->name), std::move(text),
-          plan.relaxed_math ? kRelaxedOptions : kOptions};
+          plan.relaxed_math ? fmt::format("{} {}", kOptions, kRelaxedMathOption) : kOptions};
 }
 
 ProgramSource compose_preparation(const Family& family, const std::string& piece,

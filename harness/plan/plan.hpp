@@ -35,6 +35,9 @@ struct LaunchShape {
   std::optional<std::uint64_t> items_per_launch;  // blocks x replicates bound
 };
 
+// The option that PlanOptions::relaxed_math adds.
+inline constexpr const char* kRelaxedMathOption = "-cl-fast-relaxed-math";
+
 // What `koksma stability` asks of a plan and no other verb does.
 struct PlanOptions {
   std::optional<LaunchShape> shape;  // empty: the device's

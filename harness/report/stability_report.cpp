@@ -102,7 +102,7 @@ std::string floors_text(const Json& floors) {
   return text;
 }
 
-// "intact" or what breaks, by option set: precisions that agree share a line.
+// "intact", or what breaks, by option set and precision.
 std::string eft_text(const Json& eft) {
   std::string text = "Error-free transformations:\n";
   const Json& sets = eft["option_sets"];

@@ -14,22 +14,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::string config_names(cl_device_fp_config config) {
-  static const std::pair<cl_device_fp_config, const char*> names[] = {
-      {CL_FP_DENORM, "DENORM"},
-      {CL_FP_INF_NAN, "INF_NAN"},
-      {CL_FP_ROUND_TO_NEAREST, "ROUND_TO_NEAREST"},
-      {CL_FP_ROUND_TO_ZERO, "ROUND_TO_ZERO"},
-      {CL_FP_ROUND_TO_INF, "ROUND_TO_INF"},
-      {CL_FP_FMA, "FMA"},
-      {CL_FP_SOFT_FLOAT, "SOFT_FLOAT"},
-      {CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, "CORRECTLY_ROUNDED_DIVIDE_SQRT"}};
-  std::string text;
-  for (const auto& [bit, name] : names)
-    if ((config & bit) != 0) text += fmt::format("{}{}", text.empty() ? "" : " | ", name);
-  return text;
-}
-
 // The five words of kernels/stability/denormals.cl.
 template <typename Real, typename Word>
 void try_denormals(Device& device, const std::string& options, Real factor, Real denormal,
@@ -62,19 +46,17 @@ void try_denormals(Device& device, const std::string& options, Real factor, Real
 DenormalChecks check_denormals(Device& device) {
   const auto start = Clock::now();
   DenormalChecks result;
-  const auto cl_device = checked([&] { return device.queue().getInfo<CL_QUEUE_DEVICE>(); });
-  const auto fp32 = checked([&] { return cl_device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>(); });
-  const auto fp64 = checked([&] { return cl_device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>(); });
-  result.fp_config_fp32 = config_names(fp32);
-  result.fp_config_fp64 = config_names(fp64);
+  result.fp_config_fp32 = device.facts().fp_config32;
+  result.fp_config_fp64 = device.facts().fp_config64;
   for (const char* options : {"", "-cl-denorms-are-zero", kRelaxedMathOption}) {
     for (const Precision precision : {Precision::fp32, Precision::fp64}) {
       if (precision == Precision::fp64 && !device.facts().fp64) continue;
       DenormalResult one;
       one.options = options;
       one.precision = precision;
-      const auto config = precision == Precision::fp64 ? fp64 : fp32;
-      one.must_keep = one.options.empty() && (config & CL_FP_DENORM) != 0;
+      const DeviceFacts& facts = device.facts();
+      const auto& config = precision == Precision::fp64 ? facts.fp_config64 : facts.fp_config32;
+      one.must_keep = one.options.empty() && config.find("DENORM") != std::string::npos;
       // Factors of a product just below the normal range, whose bits the host knows.
       if (precision == Precision::fp64)
         try_denormals<cl_double, std::uint64_t>(device, options, 1e-160, 0x1.8p-1070, one);

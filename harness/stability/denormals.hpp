@@ -21,7 +21,7 @@ struct DenormalResult {
 
 struct DenormalChecks {
   std::vector<DenormalResult> results;
-  std::string fp_config_fp32, fp_config_fp64;  // CL_DEVICE_*_FP_CONFIG, "DENORM | INF_NAN | ..."
+  std::string fp_config_fp32, fp_config_fp64;  // CL_DEVICE_*_FP_CONFIG, "DENORM|INF_NAN|..."
   bool ok = false;                             // nothing is flushed that must be kept
   std::string why;
   double seconds = 0;

@@ -75,8 +75,6 @@ void test_sum(SelfTestProgram& program, std::size_t k, const SumAlgorithm& sum, 
 
 }  // namespace
 
-const char* const kRelaxedMathOption = "-cl-fast-relaxed-math";
-
 const std::vector<std::string>& eft_option_sets() {
   static const std::vector<std::string> sets{"",
                                              "-cl-mad-enable",

@@ -35,8 +35,6 @@ struct EftResult {
 
 // The option sets of page 5, section 2.2; the first is strict.
 const std::vector<std::string>& eft_option_sets();
-// The option that PlanOptions::relaxed_math adds.
-extern const char* const kRelaxedMathOption;
 
 // TwoSum, TwoProd, whether FP_CONTRACT OFF is obeyed, and each of the catalog's compensated sums:
 // 2^20 times 0.1 must come out within the sum's own bound (summation.hpp) and not as the naive sum,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 
@@ -68,6 +69,19 @@ void run_check(Integrator& integrator, IndexRangeCheck& check) {
 }
 
 }  // namespace
+
+bool IndexChecks::sums_ok() const {
+  return std::all_of(checks.begin(), checks.end(),
+                     [](const IndexRangeCheck& check) { return check.count_ok && check.sum_ok; });
+}
+bool IndexChecks::squares_ok() const {
+  return std::all_of(checks.begin(), checks.end(),
+                     [](const IndexRangeCheck& check) { return check.squares_ok; });
+}
+bool IndexChecks::xors_ok() const {
+  return std::all_of(checks.begin(), checks.end(),
+                     [](const IndexRangeCheck& check) { return check.xor_ok; });
+}
 
 IndexSums host_index_sums(std::uint64_t first, std::uint64_t end) {
   IndexSums sums{end - first, sum_below(end) - sum_below(first),

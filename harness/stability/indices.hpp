@@ -35,6 +35,10 @@ struct IndexRangeCheck {
 
 struct IndexChecks {
   std::vector<IndexRangeCheck> checks;
+  // Of all of them.
+  bool sums_ok() const;  // with their counts
+  bool squares_ok() const;
+  bool xors_ok() const;
   bool ok = false;
   std::string
       why;  // also why nothing could be checked: the device lacks fp64, whose words hold an index

@@ -56,7 +56,7 @@ struct StudyFlags {
 Scene parse_scene(const Catalog& catalog, std::string_view text, std::string_view where);
 
 // The scene of an entry's check or case: `values` holds the parameters and choices that differ from
-// their defaults. Nothing is checked.
+// their defaults; the catalog has checked their names.
 Scene scene_of(const Integrand& f, std::uint32_t dim, const Json& values);
 
 // "2^8..2^20" (every power of two between), "1000", "2^10", or a comma-separated list of these;

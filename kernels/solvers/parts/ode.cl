@@ -21,11 +21,11 @@ static inline void ode_solve(const ode *m, real t0, real t1, uint steps, real to
 #if KOKSMA_FP64
 #define KOKSMA_NEWTON_SHARE R(4e-11)
 #define KOKSMA_NEWTON_FLOOR R(3.6e-15)
-#define KOKSMA_LEAST_NORMAL R(2.2250738585072014e-308)
+#define KOKSMA_NEWTON_LEAST R(2.2250738585072014e-308)
 #else
 #define KOKSMA_NEWTON_SHARE R(3e-5)
 #define KOKSMA_NEWTON_FLOOR R(1.9e-6)
-#define KOKSMA_LEAST_NORMAL R(1.17549435e-38)
+#define KOKSMA_NEWTON_LEAST R(1.17549435e-38)
 #endif
 #define KOKSMA_NEWTON_ITERATIONS 25
 
@@ -97,7 +97,7 @@ static inline mask any_nonfinite(const real *v, uint n) {
 // on. y + z[0 ... size - 1], y + z[size ... 2 size - 1], ... are the states, `largest` bounds the terms of the
 // equations. A lane that left the range of numbers stops: its NaN or infinity is what the sample becomes.
 static inline mask newton_update(mask active, const real *correction, const real *y, real largest, real *z, uint n) {
-  const real least = fma(KOKSMA_NEWTON_FLOOR, largest, KOKSMA_LEAST_NORMAL);
+  const real least = fma(KOKSMA_NEWTON_FLOOR, largest, KOKSMA_NEWTON_LEAST);
   mask large = active & not_lanes(active);
   KOKSMA_UNROLL
   for (uint i = 0; i < n; ++i) {
