@@ -122,7 +122,9 @@ void check_values(const Json& entry, const Integrand& f, std::string_view where)
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string at = fmt::format("{}, at '/{}/{}/parameters'", where, key, i);
       const Json& values = list[i]["parameters"];
-      for (const auto& [name, value] : values.items()) {
+      for (const auto& item : values.items()) {
+        const std::string& name = item.key();  // clang 14 captures no structured bindings
+        const Json& value = item.value();
         if (std::find(known.begin(), known.end(), name) == known.end())
           throw unknown_name(at, "parameter", name, known);
         const auto choice = std::find_if(f.choices.begin(), f.choices.end(),
