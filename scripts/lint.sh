@@ -31,25 +31,7 @@ if ninja -C build/tidy -t query koksma_generated >/dev/null 2>&1; then
   ninja -C build/tidy --quiet koksma_generated
 fi
 
-# Only project files are checked and only project headers reported: the libraries are large and not ours.
-# run-clang-tidy prints colours, each command line and a count of other people's warnings; all are left out.
-prefix="^$(printf '%s' "$root" | sed 's/[][\.*^$+?(){}|]/\\&/g')/(?=(harness|tests)/)"
-selection="$prefix.*"
-if (($# > 0)); then
-  selection="$prefix.*($(IFS='|' && printf '%s' "$*"))"
-fi
-count=$(sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' build/tidy/compile_commands.json | sort -u | grep -cP "$selection" || true)
-if ((count == 0)); then
-  echo "lint: no C++ file of harness/ or tests/ matches '$*'" >&2
-  exit 1
-fi
-jobs=$(nproc)
-echo "lint: clang-tidy on $count files, $jobs at a time"
-# The header filter is read by clang-tidy, which has no (?=...).
-run-clang-tidy -quiet -p build/tidy -j "$jobs" -header-filter="${prefix%%(\?=*}(harness|tests)/" "$selection" 2>&1 |
-  sed -u 's/\x1b\[[0-9;]*m//g' |
-  { grep --line-buffered -vE '^(/usr/bin/)?clang-tidy.* -p=|^[0-9]+ warnings?( and [0-9]+ errors?)? generated\.$|^$' || true; } ||
-  failed+=('clang-tidy')
+python3 scripts/lint_tidy.py . build/tidy "$@" || failed+=('clang-tidy')
 
 if ((${#failed[@]} > 0)); then
   printf 'lint: FAILED: %s\n' "${failed[@]}" >&2
