@@ -90,6 +90,18 @@ TEST_CASE("cases get the verdicts that they must, and one that does not is told"
   CHECK(stability_table(json).find("must be OK") != std::string::npos);
 }
 
+TEST_CASE("nothing is demanded in fp64 of a device that lacks it, and only then", "[unit]") {
+  Cell cell;
+  DeviceFacts device;
+  for (const bool has : {true, false}) {
+    device.fp64 = has;
+    cell.precision = Precision::fp64;
+    CHECK(beyond_device(cell, device) == !has);
+    cell.precision = Precision::fp32;
+    CHECK(!beyond_device(cell, device));
+  }
+}
+
 TEST_CASE("the integrator's bias by finer steps is that of the closed form", "[device]") {
   // rate = 100: h lambda to 1, so no layer is missed and the order is seen.
   for (const auto& [solver, within] :

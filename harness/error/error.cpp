@@ -82,8 +82,11 @@ InputError unknown_name(std::string_view where, std::string_view kind, std::stri
                         const std::vector<std::string>& known) {
   const std::string nearest = nearest_name(name, known);
   const std::string hint = nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest);
-  return {where, fmt::format("unknown {} '{}'", kind, name),
-          fmt::format("{}known: {}", hint, fmt::join(known, ", "))};
+  // A list of many is what `koksma list` is for, once there is a guess.
+  const std::string all = nearest.empty() || known.size() <= 60
+                              ? fmt::format("known: {}", fmt::join(known, ", "))
+                              : fmt::format("{} are known (koksma list)", known.size());
+  return {where, fmt::format("unknown {} '{}'", kind, name), hint + all};
 }
 
 }  // namespace koksma

@@ -65,8 +65,10 @@ std::string nonfinite_samples(const CellFacts& facts) {
 
 // Of finite samples, too, as where a sum overflows.
 std::string nonfinite_sums(const CellFacts& facts) {
-  return fmt::format("the sums of {} replicates of all rows are not finite",
-                     facts.nonfinite_replicates);
+  return fmt::format(
+      "the sums of {} replicates of all rows are not finite, although every sample is: beyond the "
+      "range of the sum (koksma list sums)",
+      facts.nonfinite_replicates);
 }
 
 // Only a scheme that grows where the solution does not leaves its bound.

@@ -110,6 +110,8 @@ class CaseRunner {
   void refuse(const Cell& cell, CellStatus status, const std::string& reason,
               CaseOutcome& outcome) {
     outcome.cell = cell_to_json(catalog_, refused_cell(cell, status, reason), nullptr);
+    if (status == CellStatus::unsupported && beyond_device(cell, device_.facts()))
+      outcome.demand.reset();
     // A demand that could not be tried is not met; a failure is one without any.
     if (outcome.demand || status == CellStatus::failed) outcome.faults.push_back(reason);
   }
@@ -254,6 +256,10 @@ void check_range(const std::optional<Interval>& range, const std::optional<doubl
 }
 
 }  // namespace
+
+bool beyond_device(const Cell& cell, const DeviceFacts& device) {
+  return cell.precision == Precision::fp64 && !device.fp64;
+}
 
 std::vector<std::string> unmet(const Demand& demand, const CaseOutcome& outcome,
                                const CellResult& result) {

@@ -51,6 +51,9 @@ struct FloorComparison {
 };
 FloorComparison compare_floors(const std::vector<CaseOutcome>& outcomes);
 
+// Whether the cell asks for fp64 of a device that lacks it: nothing can be demanded of it then.
+bool beyond_device(const Cell& cell, const DeviceFacts& device);
+
 // What a demand says of an outcome; empty where it is met.
 std::vector<std::string> unmet(const Demand& demand, const CaseOutcome& outcome,
                                const CellResult& result);
