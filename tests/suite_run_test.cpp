@@ -9,6 +9,7 @@
 #include <cmath>
 #include <set>
 
+#include "journal/cell_json.hpp"
 #include "report/results.hpp"
 #include "report/stability_report.hpp"
 #include "stability/gap.hpp"
@@ -88,6 +89,16 @@ TEST_CASE("cases get the verdicts that they must, and one that does not is told"
   CHECK(!all_met(json));
   CHECK(json["cases"][0]["met"] == false);
   CHECK(stability_table(json).find("must be OK") != std::string::npos);
+
+  // What nobody demands and the device can not do is told with its reason, and is no failure.
+  CaseOutcome untried;
+  untried.cell = cell_to_json(
+      test::catalog(), refused_cell(wrong.study.cells[0], CellStatus::unsupported, "it lacks that"),
+      nullptr);
+  const Json untold = report({untried, untried});
+  CHECK(all_met(untold));
+  CHECK(stability_table(untold).find("not tried, unsupported, 2: it lacks that\n") !=
+        std::string::npos);
 }
 
 TEST_CASE("nothing is demanded in fp64 of a device that lacks it, and only then", "[unit]") {

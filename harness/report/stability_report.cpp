@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "report/results.hpp"
 #include "report/text_table.hpp"
@@ -192,16 +193,19 @@ std::string stability_table(const Json& json) {
       {"", "case", "sampler", "prec", "sum", "verdict", "digits", "floor", "seen"}};
   if (with_relaxed) lines[0].push_back("fast/RMSE");
   lines[0].push_back("dominates");
-  std::size_t met = 0, demanded = 0, untried = 0;
+  std::size_t met = 0, demanded = 0;
+  std::map<std::string, std::size_t> untried;  // by reason
   for (const Json& item : cases) {
-    untried += item["met"].is_null() && item["cell"]["status"] == "unsupported" ? 1 : 0;
+    if (item["met"].is_null() && item["cell"]["status"] == "unsupported")
+      ++untried[item["cell"]["reason"]];
     lines.push_back(case_columns(item, with_relaxed));
     demanded += item["met"].is_boolean() ? 1 : 0;
     met += item["met"] == true ? 1 : 0;
   }
   std::string text = text_table(lines) + "\n" + kLegend + "\n" + faults_text(json);
   if (demanded > 0) text += fmt::format("{} of {} cases show what they must.\n", met, demanded);
-  if (untried > 0) text += fmt::format("{} cases need fp64, which the device lacks.\n", untried);
+  for (const auto& [reason, count] : untried)
+    text += fmt::format("not tried, unsupported, {}: {}\n", count, reason);
   text += floors_text(json["floors"]);
   return text + "\n" + device_checks_text(json["device_checks"]) +
          fmt::format("\n{:.0f} s\n", json["seconds"].get<double>());
