@@ -65,6 +65,13 @@ std::string reason_of(const RateFit& fit, std::uint64_t samples) {
 
 }  // namespace
 
+TEST_CASE("the fitted line of a power law is the law", "[unit][estimate]") {
+  const RateFit fit = fit_rate(noiseless(-1.5, 16, 8, 16, 0.3));
+  CHECK(*fit.slope == Approx(-1.5));
+  CHECK(std::exp2(*fit.intercept) == Approx(0.3));
+  CHECK_FALSE(fit_rate(noiseless(-1.5, 16, 8, 11)).intercept);
+}
+
 TEST_CASE("power laws give their rate within the designed half-width", "[unit][estimate]") {
   std::mt19937_64 engine(41);
   for (const double rate : {-0.5, -1.0, -1.5, -3.0}) {

@@ -100,6 +100,11 @@ TEST_CASE("any change to a cell makes it another cell", "[unit]") {
   CHECK(differs([](Cell& c) { c.n = {64, 128}; }));
   CHECK(differs([](Cell& c) { c.replicates = 9; }));
   CHECK(differs([](Cell& c) { c.seed = 2; }));
+  CHECK(differs([](Cell& c) { c.stop.time_budget = 1; }));
+  CHECK(differs([](Cell& c) { c.stop.time_budget = 2; }));
+  CHECK(differs([](Cell& c) { c.stop.until = 1; }));
+  CHECK(differs([](Cell& c) { c.stop.until = 2; }));
+  CHECK(differs([](Cell& c) { c.stop.beyond_n = 128; }));
 }
 
 TEST_CASE(

@@ -57,6 +57,9 @@ TEST_CASE("times in the results are those of one replicate, throughput that of a
     row.kernel = {8 * size, 1, 0, 5};
     result.rows.push_back(row);
   }
+  result.rate.slope = -1;
+  result.rate.intercept = 9;
+  result.rate.used = {256, 512};
   const Json json = cell_to_json(test::catalog(), result, nullptr);
   const Json& row = json["rows"][0];
   CHECK(row["seconds_per_replicate"] == 1.0);
@@ -64,12 +67,19 @@ TEST_CASE("times in the results are those of one replicate, throughput that of a
   CHECK(row["coordinates_per_s"] == 768.0);
   CHECK(row["efficiency"].get<double>() == Approx(100.0));                // 1 / (rmse^2 s)
   CHECK(row["variance_reduction"].get<double>() == Approx(100.0 / 256));  // variance / N / rmse^2
-  // RMSE 0.1 after 1 s, 0.01 after 2 s; tolerances are relative to the mean, 2.
+  // Kernel times 8 s and 16 s of 8 replicates at N = 256 and 512.
+  CHECK(json["efficiency"]["time_line"]["overhead_s"].get<double>() == Approx(0).margin(1e-12));
+  CHECK(json["efficiency"]["time_line"]["seconds_per_sample"].get<double>() == Approx(1.0 / 256));
+  CHECK(json["efficiency"]["value"].get<double>() == Approx(1 / (1e-4 * 2)));
+  CHECK(json["efficiency"]["at_n"] == 512);
+  // RMSE = 512 / N on the fitted line, 0.02 at N = 25600; tolerances are relative to the mean, 2.
   const Json& times = json["efficiency"]["time_to_tolerance"];
   CHECK(json["efficiency"]["relative_to"] == 2.0);
   CHECK(times[1]["tolerance"].get<double>() == Approx(0.01));
-  // log2 t falls linearly in log2 rmse: rmse 0.02 is reached at 2^(log10(0.1 / 0.02)).
-  CHECK(times[1]["seconds"].get<double>() == Approx(std::exp2(std::log10(5.0))));
+  CHECK(times[1]["n"].get<double>() == Approx(25600));
+  CHECK(times[1]["seconds"].get<double>() == Approx(100));
+  CHECK(times[1]["extrapolated"] == true);
+  CHECK(times[1]["octaves_beyond"].get<double>() == Approx(std::log2(50.0)));
 }
 
 TEST_CASE("unasked, samples are summed in fp64 where the device has it, else by Kahan", "[unit]") {

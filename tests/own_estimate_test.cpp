@@ -174,25 +174,29 @@ TEST_CASE("a curve that ends flat at a reference of unknown error is no plateau"
         std::string::npos);
 }
 
-TEST_CASE("no time to a tolerance comes from a row below the reference's error", "[unit]") {
+TEST_CASE("no time is given to a tolerance below three errors of the reference", "[unit]") {
   CellResult result;
   result.cell = test::cell("genz-gaussian:d=2", "sobol", 1 << 12);
   result.reference = Reference{1, 1e-3, "test"};
-  for (const double rmse : {1e-1, 1e-2, 1e-5}) {
-    Row row;
-    row.n = 256;
-    row.kernel.median = row.wall.median = 1 / rmse;
-    row.errors.rmse = rmse;
-    row.below_reference = rmse < 3e-3;
-    result.rows.push_back(row);
-  }
-  const auto seconds = [&] {
-    return cell_to_json(test::catalog(), result,
-                        nullptr)["efficiency"]["time_to_tolerance"][3]["seconds"];
+  Row row;
+  row.n = 4096;
+  row.kernel.median = row.wall.median = 1;
+  row.errors.rmse = 1e-2;
+  result.rows.push_back(row);
+  result.rate.slope = -1;
+  result.rate.intercept = 5;
+  result.rate.used = {256, 4096};
+  result.floor = result.reference->error.value();
+  const auto time = [&](int digits) {
+    return cell_to_json(
+        test::catalog(), result,
+        nullptr)["efficiency"]["time_to_tolerance"][static_cast<std::size_t>(digits - 1)];
   };
-  CHECK(seconds().is_null());
-  result.rows.back().below_reference = false;
-  CHECK(seconds().get<double>() == Approx(1e4));
+  CHECK(time(2)["seconds"].is_number());
+  CHECK(time(3)["seconds"].is_null());
+  CHECK(time(3)["reason"].get<std::string>().find("floor") != std::string::npos);
+  result.floor = 1e-4;
+  CHECK(time(3)["n"].get<double>() == Approx(32000));
 }
 
 TEST_CASE("the error of a reference is its standard error, else that of its interval, else unknown",

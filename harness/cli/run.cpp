@@ -45,7 +45,7 @@ class Run {
         journal_(journal),
         self_test_(catalog, device),
         progress_(stderr, study.cells.size(), options.quiet) {
-    for (const Cell& cell : study.cells) rows_ += cell.n.size();
+    for (const Cell& cell : study.cells) rows_ += most_rows(cell);
   }
 
   // JSON of every cell, in the study's order.
@@ -64,6 +64,15 @@ class Run {
   bool failed() const { return failed_; }
 
  private:
+  // Rows that the cell may have, whenever it stops: they share the false-alarm probability.
+  std::size_t most_rows(const Cell& cell) const {
+    const Sampler sampler = catalog_.sampler(cell.sampler, "sampler");
+    std::size_t rows = cell.n.size();
+    for (auto n = next_size(sampler, cell, cell.n.back()); n; n = next_size(sampler, cell, *n))
+      ++rows;
+    return rows;
+  }
+
   // Scenes whose integral nobody knows, with their cells, the best promise first.
   void find_unknown_integrals(Device& exact_device) {
     std::map<std::string, bool> unknown;
@@ -289,6 +298,16 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
   verb->add_option("--sum", options->flags.sum, "summation algorithm (see koksma list sums)");
   verb->add_option("--seed", options->flags.seed, "seed of all randomizations")
       ->check(CLI::Range(std::uint64_t{0}, kLargestSeed));
+  verb->add_option("--time-budget", options->flags.time_budget,
+                   "seconds per cell: N goes up, beyond --n too, until the next row would exceed "
+                   "them; no row is cut")
+      ->option_text("SECONDS")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--until", options->flags.until,
+                   "stop a cell at this RMSE relative to |I| (absolute where I = 0); N goes up, "
+                   "beyond --n too, until it is reached")
+      ->option_text("RELERR")
+      ->check(CLI::PositiveNumber);
   verb->add_option("--device", options->device,
                    "P:D or part of a name (see koksma list devices); default: PoCL");
   verb->add_option("--out", options->out, "results file; default: results/latest.json")

@@ -10,6 +10,7 @@ CellResult refused_cell(const Cell& cell, CellStatus status, const std::string& 
   result.rate.reason = "the cell did not run";
   result.verdict.verdict = "no-rate";
   result.verdict.reason = result.rate.reason;
+  result.stopped.reason = result.rate.reason;
   result.stability.reason = result.rate.reason;
   return result;
 }

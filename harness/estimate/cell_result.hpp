@@ -67,6 +67,17 @@ struct StabilityDetail {
   std::optional<PrecisionGap> precision_gap;
 };
 
+// Why a cell has no more rows.
+struct Stopped {
+  std::string by = "study";  // "study", "until", "time-budget", "beyond-n" or "sampler"
+  std::string reason;
+  std::uint64_t at_n = 0;               // of the last row; 0: there are none
+  std::optional<std::uint64_t> next_n;  // the first that was not run, where there would be one
+  double spent_s = 0;                   // wall seconds of all rows
+  std::optional<double> predicted_s;    // of the row of next_n, where the budget decided
+  std::optional<double> reached;        // relative RMSE of the last row
+};
+
 struct CellResult {
   Cell cell;
   CellStatus status = CellStatus::ok;
@@ -80,6 +91,7 @@ struct CellResult {
   std::optional<OdeReport> ode;  // where f solves a differential equation
   StabilityDetail detail;
   std::vector<Row> rows;
+  Stopped stopped;
   RateFit rate;
   RateVerdict verdict;
   CellVerdict stability;

@@ -172,7 +172,10 @@ void fit_curve(const std::vector<const ConvergenceRow*>& used, const FitOptions&
   if (options.infinite_variance) {
     fit.reason = "infinite variance: only the median is fitted";
   } else {
-    fit.slope = rmse_slope(curve, once);
+    if (const std::optional<Line> line = rmse_line(curve, once)) {
+      fit.slope = line->slope;
+      fit.intercept = line->intercept;
+    }
   }
   if (fit.heavy_tailed || options.infinite_variance) fit.median_slope = median_slope(curve, once);
   if (fit.deterministic) {

@@ -51,6 +51,7 @@ struct LocalSlope {
 
 struct RateFit {
   std::optional<double> slope;       // of log2 RMSE; none: see reason
+  std::optional<double> intercept;   // log2 RMSE at N = 1 on the same line, in the errors' unit
   std::optional<Interval> interval;  // 95 %; none for R < 8
   std::optional<double>
       median_slope;  // of log2 median |e|, fitted when heavy-tailed or of infinite variance

@@ -15,8 +15,8 @@ constexpr double kLeastKurtosis = 2;
 constexpr double kLargestKurtosis = 12;
 
 // Weighted least squares about the weighted mean.
-double weighted_slope(std::span<const double> x, std::span<const double> y,
-                      std::span<const double> weights) {
+Line weighted_line(std::span<const double> x, std::span<const double> y,
+                   std::span<const double> weights) {
   double weight = 0;
   double mean_x = 0;
   double mean_y = 0;
@@ -33,7 +33,8 @@ double weighted_slope(std::span<const double> x, std::span<const double> y,
     covariance += weights[m] * (x[m] - mean_x) * (y[m] - mean_y);
     variance += weights[m] * (x[m] - mean_x) * (x[m] - mean_x);
   }
-  return covariance / variance;
+  const double slope = covariance / variance;
+  return {slope, mean_y - slope * mean_x};
 }
 
 // The median of one row's resampled |e|, scaled: the mean of the middle two for even R.
@@ -86,7 +87,7 @@ Curve make_curve(const std::vector<const ConvergenceRow*>& rows) {
   return curve;
 }
 
-std::optional<double> rmse_slope(const Curve& curve, std::span<const std::uint32_t> counts) {
+std::optional<Line> rmse_line(const Curve& curve, std::span<const std::uint32_t> counts) {
   // Sums of e² and e⁴ of all rows in one pass over the replicates.
   std::vector<double> second(curve.rows);
   std::vector<double> fourth(curve.rows);
@@ -111,7 +112,12 @@ std::optional<double> rmse_slope(const Curve& curve, std::span<const std::uint32
       weights[m] = 1 / (std::clamp(kurtosis, kLeastKurtosis, kLargestKurtosis) - 1);
     }
   }
-  return weighted_slope(curve.log2_samples, y, weights);
+  return weighted_line(curve.log2_samples, y, weights);
+}
+
+std::optional<double> rmse_slope(const Curve& curve, std::span<const std::uint32_t> counts) {
+  const std::optional<Line> line = rmse_line(curve, counts);
+  return line ? std::optional(line->slope) : std::nullopt;
 }
 
 std::optional<double> median_slope(const Curve& curve, std::span<const std::uint32_t> counts) {
@@ -122,7 +128,7 @@ std::optional<double> median_slope(const Curve& curve, std::span<const std::uint
     y[m] = curve.exponents[m] + std::log2(median);
   }
   const std::vector<double> weights(curve.rows, 1.0);
-  return weighted_slope(curve.log2_samples, y, weights);
+  return weighted_line(curve.log2_samples, y, weights).slope;
 }
 
 }  // namespace koksma

@@ -26,9 +26,16 @@ struct Curve {
 // Rows must be finite, not all zero, and equal in their number of replicates.
 Curve make_curve(const std::vector<const ConvergenceRow*>& rows);
 
-// Weighted least-squares slope of y = log2 RMSE with weights 1/Var(y), Var(y) = (κ₄ − 1)/(4 R ln²
+struct Line {
+  double slope = 0;
+  double intercept = 0;  // log2 RMSE at N = 1
+};
+
+// Weighted least-squares line of y = log2 RMSE with weights 1/Var(y), Var(y) = (κ₄ − 1)/(4 R ln²
 // 2), κ₄ = E e⁴/(E e²)² (delta method on the mean of e²; page 5, section 3). For R = 1 ordinary
 // least squares. None if an RMSE is 0.
+std::optional<Line> rmse_line(const Curve& curve, std::span<const std::uint32_t> counts);
+// Its slope alone.
 std::optional<double> rmse_slope(const Curve& curve, std::span<const std::uint32_t> counts);
 
 // Ordinary least-squares slope of log2 median |e|. None if a median is 0.

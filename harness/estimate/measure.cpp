@@ -6,14 +6,13 @@
 #include <chrono>
 #include <cmath>
 
+#include "estimate/stopping.hpp"
+
 namespace koksma {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Repeat to 20 ms or 5 times, whichever comes first.
-constexpr double kRepeatSeconds = 0.020;
-constexpr std::size_t kRepeatCount = 5;
 constexpr std::uint64_t kKurtosisSamples = 4096;  // of which the kurtosis of f is estimated
 
 double seconds_since(Clock::time_point start) {
@@ -54,13 +53,12 @@ struct PreparedCell::Sums {
 };
 
 PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact_device, Plan plan)
-    : catalog_(catalog), plan_(std::make_unique<Plan>(std::move(plan))) {
+    : catalog_(catalog), device_(device), plan_(std::make_unique<Plan>(std::move(plan))) {
   exact_ = compute_exact(exact_device, *plan_->integrand, plan_->cell.scene);
   plan_->request.dimension_order = exact_.dimension_order;
   const auto start = Clock::now();
   integrator_ = std::make_unique<Integrator>(device, *plan_, exact_.coefficients);
-  const double typical = sampled_scale(context()).value_or(1);
-  integrator_->count_against(blow_up_limit(exact_), typical > 0 ? typical : 1);
+  start_integrator();
   // The first launch finishes compilation on some implementations (PoCL): warm up here, before
   // anything is timed.
   y0_ = median_of_finite(integrator_->first_values());
@@ -69,6 +67,11 @@ PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact
   if (declares(plan_->sampler->validity, "iid") || plan_->estimator->interval == "normal")
     estimate_kurtosis_of_f();
   build_s_ = seconds_since(start) - integrator_->setup_s();
+}
+
+void PreparedCell::start_integrator() {
+  const double typical = sampled_scale(context()).value_or(1);
+  integrator_->count_against(blow_up_limit(exact_), typical > 0 ? typical : 1);
 }
 
 // Of a set that is built per N, the first values of a larger N are not spread over the cube: there
@@ -154,13 +157,63 @@ CellContext PreparedCell::context() const {
   return {*plan_, exact_, kurtosis_, solver == nullptr ? nullptr : &catalog_.solver(*solver)};
 }
 
+// The same program with the tables of a larger N; the rows so far are its first points.
+std::string PreparedCell::extend(std::uint64_t n) {
+  Cell cell = plan_->cell;
+  cell.n.push_back(n);
+  PlanOptions options;
+  options.shape = plan_->shape;
+  options.relaxed_math = plan_->relaxed_math;
+  options.counters = plan_->counters;
+  options.coarse_coordinates = plan_->coarse_coordinates;
+  try {
+    auto plan = std::make_unique<Plan>(
+        make_plan(catalog_, cell, device_.facts(), plan_->request.directions_file, options));
+    if (plan->cell.n.back() != n) return "the precision can tell no more points apart";
+    plan->refused_n = plan_->refused_n;
+    plan->request.dimension_order = exact_.dimension_order;
+    auto integrator = std::make_unique<Integrator>(device_, *plan, exact_.coefficients);
+    earlier_setup_s_ += integrator_->setup_s();
+    integrator_ = std::move(integrator);
+    plan_ = std::move(plan);
+    start_integrator();
+    integrator_->first_values();           // warmed up, as the first was
+  } catch (const std::exception& error) {  // what was measured so far stays
+    return error.what();
+  }
+  return "";
+}
+
+Stopped PreparedCell::run_rows(const std::optional<Reference>& reference, std::vector<Row>& rows) {
+  const Cell asked = plan_->cell;
+  Cell unbounded = asked;
+  unbounded.stop.beyond_n = std::uint64_t{1} << plan_->sampler->max_log2_n;
+  std::vector<Timing> launches;
+  StopFacts facts;
+  facts.rule = asked.stop;
+  const auto start = Clock::now();
+  for (facts.n = asked.n.front();; facts.n = *facts.next) {
+    rows.push_back(run_row(facts.n));
+    launches.push_back({facts.n, rows.back().wall.median});
+    facts.launches = launches;
+    facts.next = next_size(*plan_->sampler, asked, facts.n);
+    facts.sampler_ends = !facts.next && !next_size(*plan_->sampler, unbounded, facts.n);
+    facts.reached = reached_error(rows.back(), exact_.mean, reference);
+    facts.spent = seconds_since(start);
+    if (const auto stopped = why_stop(facts)) return *stopped;
+    if (*facts.next <= plan_->cell.n.back()) continue;
+    const std::string refusal = extend(*facts.next);
+    if (!refusal.empty()) return stopped_by_sampler(facts, refusal);
+  }
+}
+
 CellResult PreparedCell::run(std::size_t rows_of_run, const std::optional<Reference>& reference) {
   CellResult result;
   result.cell = plan_->cell;
   result.exact = exact_;
   result.build_s = build_s_;
-  for (const std::uint64_t n : plan_->cell.n) result.rows.push_back(run_row(n));
-  result.setup_s = integrator_->setup_s();
+  result.stopped = run_rows(reference, result.rows);
+  result.setup_s = earlier_setup_s_ + integrator_->setup_s();
   result.table_bytes = integrator_->table_bytes();
   result.coefficient_bytes = integrator_->coefficient_bytes();
   assess_cell(context(), reference, rows_of_run, result);

@@ -21,10 +21,10 @@ class PreparedCell {
  public:
   PreparedCell(const Catalog& catalog, Device& device, Device& exact_device, Plan plan);
 
-  // All rows; a row that cannot be finished throws. Called once. `rows_of_run`: rows of all cells
-  // of the run, among which the tests share their false-alarm probability; 0: those of this cell.
-  // Where the integral is not known, errors are against `reference`, or without one against the
-  // cell's own last estimate.
+  // All rows, as far as the cell's stop rule goes; a row that cannot be finished throws. Called
+  // once. `rows_of_run`: rows of all cells of the run, among which the tests share their
+  // false-alarm probability; 0: those of this cell. Where the integral is not known, errors are
+  // against `reference`, or without one against the cell's own last estimate.
   CellResult run(std::size_t rows_of_run = 0,
                  const std::optional<Reference>& reference = std::nullopt);
   // One row, untimed repeats and all.
@@ -39,15 +39,21 @@ class PreparedCell {
 
  private:
   struct Sums;
+  Stopped run_rows(const std::optional<Reference>& reference, std::vector<Row>& rows);
+  // Tables to n, beyond the plan's sizes; else the reason why the sampler can not.
+  std::string extend(std::uint64_t n);
+  void start_integrator();
   double once(std::uint64_t n, Sums& sums);
   void summarise(const Sums& sums, Row& row);
   void estimate_kurtosis_of_f();
 
   const Catalog& catalog_;
+  Device& device_;
   std::unique_ptr<Plan> plan_;  // the integrator keeps a reference
   ExactValues exact_;
   std::unique_ptr<Integrator> integrator_;
   double build_s_ = 0;
+  double earlier_setup_s_ = 0;  // of integrators with smaller tables
   double y0_ = 0;
   Kurtosis kurtosis_;  // of f, where a normal approximation over its values is used
 };

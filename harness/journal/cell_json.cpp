@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "estimate/efficiency.hpp"
+#include "journal/efficiency_json.hpp"
 #include "journal/stability_json.hpp"
 
 namespace koksma {
@@ -115,6 +116,7 @@ Json convergence_json(const CellResult& result, const ExpectedRate* expected) {
   const RateFit& rate = result.rate;
   Json json;
   json["rate"] = number_or_null(rate.slope);
+  json["intercept"] = number_or_null(rate.intercept);
   json["interval"] = interval_json(rate.interval);
   json["reason"] = rate.reason;
   json["median_rate"] = number_or_null(rate.median_slope);
@@ -137,33 +139,22 @@ Json convergence_json(const CellResult& result, const ExpectedRate* expected) {
   return json;
 }
 
-// Kernel time of one replicate to each relative tolerance (of |I|, or absolute where I = 0), from
-// the resolved rows that measure the kernel and not its launch, and errors and not the reference's.
-Json efficiency_json(const CellResult& result) {
-  Json json = {{"relative_to", nullptr}, {"time_to_tolerance", Json::array()}};
-  if (!result.exact.mean && !result.reference) return json;
-  const double truth = result.exact.mean ? *result.exact.mean : result.reference->value;
-  const double scale = truth != 0 ? std::fabs(truth) : 1;
-  json["relative_to"] = scale;
-  std::vector<TimePoint> points;
-  double largest = 0;
-  for (const Row& row : result.rows) {
-    if (!row.errors.rmse || !row.unresolved.empty() || row.below_reference || launch_bound(row))
-      continue;
-    points.push_back({row.kernel.median / result.cell.replicates, *row.errors.rmse});
-    largest = std::max(largest, *row.errors.rmse);
-  }
-  for (int digits = 1; digits <= 12; ++digits) {
-    const double tolerance = std::pow(10.0, -digits);
-    TimeToTolerance t = time_to_tolerance(points, tolerance * scale);
-    if (!points.empty() && tolerance * scale > largest)
-      t = {std::nullopt, false, "met by the first row that is not launch-bound"};
-    json["time_to_tolerance"].push_back({{"tolerance", tolerance},
-                                         {"seconds", number_or_null(t.seconds)},
-                                         {"extrapolated", t.extrapolated},
-                                         {"reason", t.reason}});
-  }
-  return json;
+Json stopped_json(const CellResult& result) {
+  const Stopped& s = result.stopped;
+  if (result.rows.empty()) return nullptr;
+  return {{"by", s.by},
+          {"reason", s.reason},
+          {"at_n", s.at_n},
+          {"next_n", s.next_n ? Json(*s.next_n) : Json(nullptr)},
+          {"spent_s", s.spent_s},
+          {"predicted_s", number_or_null(s.predicted_s)},
+          {"reached", number_or_null(s.reached)}};
+}
+
+Json stop_rule_json(const StopRule& rule) {
+  return {{"time_budget", number_or_null(rule.time_budget)},
+          {"until", number_or_null(rule.until)},
+          {"beyond_n", rule.beyond_n ? Json(*rule.beyond_n) : Json(nullptr)}};
 }
 
 Json plan_json(const CellResult& result, const Plan& plan) {
@@ -204,6 +195,7 @@ Json cell_identity(const Cell& cell) {
   json["n"] = cell.n;
   json["replicates"] = cell.replicates;
   json["seed"] = cell.seed;
+  json["stop"] = stop_rule_json(cell.stop);
   return json;
 }
 
@@ -237,7 +229,9 @@ Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* 
                                  catalog.estimator(result.cell.estimator, "estimator")));
   json["convergence"] =
       convergence_json(result, expected == f.expected.end() ? nullptr : &expected->second);
-  json["efficiency"] = efficiency_json(result);
+  json["stopped"] = stopped_json(result);
+  json["efficiency"] =
+      efficiency_json(result, json, catalog.sampler(result.cell.sampler, "sampler").max_log2_n);
   json["stability"] = stability_json(result, plan, json);
   return json;
 }

@@ -11,7 +11,7 @@ namespace koksma {
 Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* plan);
 
 // The part that identifies a cell: scene, sampler, estimator, precision, sum, sizes, replicates,
-// seed.
+// seed, and when it stops.
 Json cell_identity(const Cell& cell);
 
 // null for what is absent or not finite.

@@ -5,12 +5,11 @@
 #include <array>
 #include <cstdlib>
 #include <ctime>
-#include <map>
-#include <optional>
 
 #include "catalog/embedded.hpp"
 #include "journal/journal.hpp"
 #include "report/build_info.hpp"
+#include "report/error_time.hpp"
 
 namespace koksma {
 namespace {
@@ -27,40 +26,6 @@ std::string utc_now() {
 std::string host_name() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
-}
-
-// N / (variance * seconds) of the largest N of an mc cell: the efficiency of plain Monte Carlo does
-// not depend on N, and its exact variance is less noisy than its errors. Not of a cell that cannot
-// reach that variance.
-std::optional<double> mc_efficiency(const Json& cell) {
-  if (cell["estimator"] != "mc" || cell["rows"].empty()) return std::nullopt;
-  if (cell["stability"]["verdict"] == "UNRESOLVED") return std::nullopt;
-  const Json& variance = cell["scene"]["exact"]["variance"]["value"];
-  const double seconds = cell["rows"].back()["seconds_per_replicate"];
-  if (!variance.is_number() || !(variance.get<double>() > 0) || !(seconds > 0)) return std::nullopt;
-  return cell["rows"].back()["n"].get<double>() / (variance.get<double>() * seconds);
-}
-
-// Speed-up over plain Monte Carlo at equal error: the row's efficiency over that of the mc cell of
-// the same scene, precision and sum.
-void add_speed_ups(Json& cells) {
-  const auto key = [](const Json& cell) {
-    return cell["scene"]["text"].dump() + cell["precision"].dump() + cell["sum"].dump();
-  };
-  std::map<std::string, double> reference;
-  for (const Json& cell : cells)
-    if (const auto efficiency = mc_efficiency(cell)) reference[key(cell)] = *efficiency;
-  for (Json& cell : cells) {
-    const auto found = reference.find(key(cell));
-    cell["efficiency"]["speed_up_over"] =
-        found == reference.end()
-            ? "no resolved cell of this scene has estimator mc and an exact variance"
-            : "estimator mc at its largest N, by the exact variance";
-    if (found == reference.end()) continue;
-    for (Json& row : cell["rows"])
-      if (row["efficiency"].is_number())
-        row["speed_up"] = row["efficiency"].get<double>() / found->second;
-  }
 }
 
 }  // namespace
@@ -104,7 +69,8 @@ Json make_results(const Json& context, const Json& cells) {
   results["schema_version"] = kResultsSchemaVersion;
   results["context"] = context;
   results["cells"] = cells;
-  add_speed_ups(results["cells"]);
+  compare_with_random(results["cells"]);
+  results["scenes"] = scenes_of(results["cells"]);
   return results;
 }
 

@@ -10,7 +10,7 @@
 
 namespace koksma {
 
-inline constexpr int kResultsSchemaVersion = 3;
+inline constexpr int kResultsSchemaVersion = 4;
 
 // version, revision, date (UTC), host, device and driver, build, seed, command line, the study
 // verbatim.
@@ -19,7 +19,7 @@ Json make_context(const DeviceFacts& device, const Study& study, const std::stri
 // What must be equal for cells of an earlier run to be taken over.
 Json resume_context(const Json& context);
 
-// {schema_version, context, cells}.
+// {schema_version, context, cells, scenes}, the cells compared with each other.
 Json make_results(const Json& context, const Json& cells);
 
 // Checks and writes; InputError when the path cannot be written or the

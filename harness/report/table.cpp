@@ -11,6 +11,8 @@
 namespace koksma {
 namespace {
 
+constexpr double kGlance = 1e-3;  // the tolerance in the table
+
 std::string number(const Json& value, const char* format = "{:.2e}") {
   return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : "-";
 }
@@ -31,6 +33,25 @@ std::string rate_text(const Json& convergence) {
   const bool of_median = !convergence["rate"].is_number() && convergence["median_rate"].is_number();
   return of_median ? slope_text(convergence["median_rate"], convergence["median_interval"])
                    : slope_text(convergence["rate"], convergence["interval"]);
+}
+
+// Kernel time of one replicate to a relative error of 1e-3, "~" where it is beyond the rows.
+std::string glance_text(const Json& cell) {
+  for (const Json& t : cell["efficiency"]["time_to_tolerance"])
+    if (t["tolerance"] == kGlance && t["seconds"].is_number())
+      return fmt::format("{}{:.1e}", t["extrapolated"] == true ? "~" : "",
+                         t["seconds"].get<double>());
+  return "-";
+}
+
+// Below 10 two digits, above whole numbers.
+std::string ratio_text(const Json& ratio) {
+  if (!ratio.is_number()) return "-";
+  const double value = ratio.get<double>();
+  return fmt::format(fmt::runtime(value < 10    ? "{:.2g}"
+                                  : value < 1e5 ? "{:.0f}"
+                                                : "{:.0e}"),
+                     value);
 }
 
 std::string marks(const Json& cell, const Json& row) {
@@ -60,6 +81,8 @@ std::string marks(const Json& cell, const Json& row) {
     add("below the reference's error");
   else if (!row["error_reason"].get<std::string>().empty())
     add(row["error_reason"].get<std::string>());
+  if (cell["stopped"].is_object() && cell["stopped"]["by"] != "study")
+    add(fmt::format("stopped: {}", cell["stopped"]["by"].get<std::string>()));
   const std::string verdict = cell["convergence"]["verdict"];
   if (verdict == "within-gate" || verdict == "outside-gate") add(verdict);
   if (verdict == "no-rate" && !cell["convergence"]["reason"].get<std::string>().empty())
@@ -83,6 +106,8 @@ std::vector<std::string> cell_columns(const Json& cell) {
   columns.push_back(number(row["median_abs_error"]));
   columns.push_back(rate_text(cell["convergence"]));
   columns.push_back(number(cell["convergence"]["expected"], "{:.2f}"));
+  columns.push_back(glance_text(cell));
+  columns.push_back(ratio_text(row["speed_up"]));
   columns.push_back(fmt::format("{:.3g}", row["seconds_per_replicate"].get<double>() * 1e3));
   columns.push_back(row["coordinates_per_s"].is_number()
                         ? fmt::format("{:.2f}", row["coordinates_per_s"].get<double>() * 1e-9)
@@ -94,9 +119,12 @@ std::vector<std::string> cell_columns(const Json& cell) {
 constexpr const char* kLegend =
     "error: RMSE and median |e| of single N-point estimates at the largest N. rate: slope of log2 "
     "RMSE, ± half its 95 %\n"
-    "interval; theory: the expected slope, log factors left out. ms: kernel time of one replicate. "
-    "Gcoord/s: 1e9\n"
-    "coordinates generated, evaluated and summed per second. heavy-tailed: believe the median, not "
+    "interval; theory: the expected slope, log factors left out. s to 1e-3: kernel seconds of one "
+    "replicate to that error\n"
+    "relative to |I| (absolute where I = 0) on the fitted line, ~ beyond its rows. x mc: how many "
+    "times the time plain Monte\n"
+    "Carlo takes to the same error. ms: kernel time of one replicate. Gcoord/s: 1e9 coordinates "
+    "generated, evaluated and\nsummed per second. heavy-tailed: believe the median, not "
     "the RMSE.\n"
     "In capitals: the verdict on the cell, where it is not OK, and its marks; `stability` in the "
     "results file says why.\nfloor: what keeps the error from falling.\n";
@@ -110,9 +138,9 @@ constexpr const char* kOwnEstimateLegend =
 }  // namespace
 
 std::string results_table(const Json& results) {
-  std::vector<std::vector<std::string>> lines{{"scene", "sampler", "estimator", "prec", "N", "RMSE",
-                                               "median|e|", "rate", "theory", "ms", "Gcoord/s",
-                                               ""}};
+  std::vector<std::vector<std::string>> lines{{"scene", "sampler", "est.", "prec", "N", "RMSE",
+                                               "med|e|", "rate", "theory", "s to 1e-3", "x mc",
+                                               "ms", "Gcoord/s", ""}};
   for (const Json& cell : results["cells"]) lines.push_back(cell_columns(cell));
   const std::string text = text_table(lines);
   for (const Json& cell : results["cells"])

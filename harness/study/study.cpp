@@ -46,6 +46,15 @@ void add_range(std::set<std::uint64_t>& sizes, std::string_view item, std::strin
   for (std::uint64_t n = first; n <= last; n *= 2) sizes.insert(n);
 }
 
+// The number that the block or the study gives, unless the flag does.
+std::optional<double> number_setting(const std::optional<double>& flag, const Json& block,
+                                     const Json& study, const char* key) {
+  if (flag) return flag;
+  for (const Json* level : {&block, &study})
+    if (level->contains(key)) return level->at(key).get<double>();
+  return std::nullopt;
+}
+
 // The value of the innermost place that sets `key`: the flag, the block, the study.
 std::string setting(const std::string& flag, const Json& block, const Json& study,
                     const char* key) {
@@ -106,7 +115,27 @@ struct BlockReader {
     const std::string sizes_where = place(flags.n, "n");
     cell.n = parse_sizes(sizes.empty() ? "2^8..2^18" : sizes, sizes_where);
     check_sizes(cell, sampler, sizes_where);
+    set_stop(cell);
     return cell;
+  }
+
+  void set_stop(Cell& cell) const {
+    cell.stop.time_budget = number_setting(flags.time_budget, block, study, "time_budget");
+    cell.stop.until = number_setting(flags.until, block, study, "until");
+    const std::string beyond = setting("", block, study, "beyond_n");
+    if (beyond.empty()) return;
+    const std::string where = place("", "beyond_n");
+    if (!cell.stop.any())
+      throw InputError(where, fmt::format("'{}', and nothing that ends the curve", beyond),
+                       "beyond_n goes with time_budget or until");
+    const std::vector<std::uint64_t> sizes = parse_sizes(beyond, where);
+    if (sizes.size() != 1)
+      throw InputError(where, fmt::format("'{}' is no single sample count", beyond),
+                       "write 2^26 or 1000000");
+    if (sizes.front() < cell.n.back())
+      throw InputError(where, fmt::format("'{}' is below the largest N, {}", beyond, cell.n.back()),
+                       "it is how far beyond it the curve may go");
+    cell.stop.beyond_n = sizes.front();
   }
 
   void set_estimator(Cell& cell, const Sampler& sampler) const {
@@ -157,6 +186,12 @@ Json merged(const Json& study, const StudyFlags& flags) {
     result[key] = value;
     for (Json& block : result["cells"]) block.erase(key);
   }
+  for (const auto& [key, value] :
+       {std::pair{"time_budget", flags.time_budget}, {"until", flags.until}}) {
+    if (!value) continue;
+    result[key] = *value;
+    for (Json& block : result["cells"]) block.erase(key);
+  }
   if (!flags.estimator.empty())
     for (Json& block : result["cells"]) block["estimator"] = flags.estimator;
   if (flags.seed) result["seed"] = *flags.seed;
@@ -202,6 +237,24 @@ std::vector<std::uint64_t> parse_sizes(std::string_view text, std::string_view w
     rest = rest.substr(comma + 1);
   }
   return {sizes.begin(), sizes.end()};
+}
+
+std::uint64_t largest_size(const Sampler& sampler, const Cell& cell) {
+  const std::uint64_t asked = cell.n.back();
+  const std::uint64_t most = std::uint64_t{1} << sampler.max_log2_n;
+  if (!cell.stop.any() || most <= asked) return asked;
+  if (cell.stop.beyond_n) return std::min(*cell.stop.beyond_n, most);
+  if (cell.stop.time_budget) return most;
+  return asked > most / kBeyondStudy ? most : asked * kBeyondStudy;
+}
+
+std::optional<std::uint64_t> next_size(const Sampler& sampler, const Cell& cell, std::uint64_t n) {
+  const auto asked = std::upper_bound(cell.n.begin(), cell.n.end(), n);
+  if (asked != cell.n.end()) return *asked;
+  const std::uint64_t largest = largest_size(sampler, cell);
+  if (n > largest / 2) return std::nullopt;
+  const std::optional<std::uint64_t> next = nearest_sizes(sampler, cell.scene.dim, 2 * n).above;
+  return next && *next <= largest ? next : std::nullopt;
 }
 
 Study read_study(const Catalog& catalog, const std::string& path, const StudyFlags& flags) {

@@ -24,6 +24,16 @@ struct Scene {
   std::string text;  // canonical spelling, NAME:d=D,key=value for what differs from the default
 };
 
+// When a cell stops before or after the sizes that were asked for. A rule that is set may also go
+// beyond the largest of them, by doubling.
+struct StopRule {
+  std::optional<double> time_budget;      // seconds of wall time for all rows of the cell
+  std::optional<double> until;            // RMSE relative to |I|, or absolute where I = 0
+  std::optional<std::uint64_t> beyond_n;  // the largest N to go on to; empty: largest_size()
+
+  bool any() const { return time_budget || until; }
+};
+
 // scene x sampler x estimator x precision, and the sizes N to run it at.
 struct Cell {
   Scene scene;
@@ -33,6 +43,7 @@ struct Cell {
   std::vector<std::uint64_t> n;        // ascending
   std::uint32_t replicates = 1;
   std::uint64_t seed = 0;
+  StopRule stop;
 };
 
 struct Study {
@@ -48,6 +59,7 @@ struct StudyFlags {
   std::string estimator, n, precision, sum;
   std::optional<std::uint32_t> replicates;
   std::optional<std::uint64_t> seed;
+  std::optional<double> time_budget, until;
   bool own_directions = false;  // --directions: the file sets the limit on d
 };
 
@@ -67,6 +79,18 @@ std::vector<std::uint64_t> parse_sizes(std::string_view text, std::string_view w
 // dimensions.
 void check_size(const Sampler& sampler, std::uint32_t dim, std::uint64_t n,
                 const std::string& where);
+
+// The largest N that a cell with a stop rule may reach: beyond_n; without it, what the sampler has
+// where a time budget ends the cell, else kBeyondStudy times the largest size asked for; never more
+// than the sampler has. Without a rule, the largest size asked for.
+std::uint64_t largest_size(const Sampler& sampler, const Cell& cell);
+
+// With --until alone a curve that never gets there must end: 6 doublings beyond the study.
+inline constexpr std::uint64_t kBeyondStudy = 64;
+
+// The next size after n: of those asked for; beyond them, the smallest that the sampler has and
+// that is at least 2 n. None above largest_size().
+std::optional<std::uint64_t> next_size(const Sampler& sampler, const Cell& cell, std::uint64_t n);
 
 // Reads a study: `path` empty means the default study. InputError names the file and the JSON
 // pointer, or the flag.
