@@ -71,6 +71,8 @@ int main(int argc, char** argv) {
   koksma::add_explain(app, action);
   koksma::add_points(app, action);
   koksma::add_study(app, action);
+  koksma::add_compare(app, action);
+  koksma::add_report(app, action);
   koksma::add_quality(app, action, joined(argc, argv));
   koksma::add_stability(app, action, joined(argc, argv));
   try {

@@ -42,6 +42,10 @@ struct Row {
   bool below_reference = false;  // the RMSE is below 3 x the error of the reference
   std::string error_reason;      // why there are no errors, or none to believe
   TimeStatistics kernel, wall;   // of one launch of all replicates
+  // Seconds of every timed launch in order, and of the calibration kernel beside it (the
+  // shortest of the nearest launches before and after); the latter is empty where nothing was
+  // calibrated.
+  std::vector<double> kernel_times, calibration;
 };
 
 enum class CellStatus { ok, skipped, unsupported, failed };

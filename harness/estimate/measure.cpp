@@ -7,29 +7,22 @@
 #include <cmath>
 
 #include "estimate/stopping.hpp"
+#include "estimate/timed_launches.hpp"
 
 namespace koksma {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// A run launches a row at most this often: rank tests of single rows need so many
+// (report/compare.hpp).
+constexpr std::size_t kLaunchesOfRun = 16;
+// So often sums are read and merged again: wall times are those of these launches.
+constexpr std::size_t kMergedLaunches = 5;
 constexpr std::uint64_t kKurtosisSamples = 4096;  // of which the kurtosis of f is estimated
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-double quantile_of(const std::vector<double>& sorted, double p) {
-  const double position = p * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(position);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (position - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
-
-TimeStatistics summarise_times(std::vector<double> times) {
-  std::sort(times.begin(), times.end());
-  return {quantile_of(times, 0.5), times.front(),
-          quantile_of(times, 0.75) - quantile_of(times, 0.25), times.size()};
 }
 
 double median_of_finite(std::vector<double> values) {
@@ -56,6 +49,7 @@ PreparedCell::PreparedCell(const Catalog& catalog, Device& device, Device& exact
     : catalog_(catalog), device_(device), plan_(std::make_unique<Plan>(std::move(plan))) {
   exact_ = compute_exact(exact_device, *plan_->integrand, plan_->cell.scene);
   plan_->request.dimension_order = exact_.dimension_order;
+  calibration_ = std::make_unique<Calibration>(device);
   const auto start = Clock::now();
   integrator_ = std::make_unique<Integrator>(device, *plan_, exact_.coefficients);
   start_integrator();
@@ -106,25 +100,48 @@ double PreparedCell::once(std::uint64_t n, Sums& sums) {
       });
 }
 
-Row PreparedCell::run_row(std::uint64_t n) {
+Row PreparedCell::first_launch(std::uint64_t n, TimedLaunches& timed) {
   Row row;
   row.n = n;
   row.log2_block = integrator_->log2_block(n);
   row.grid_limited = n > std::uint64_t{1} << plan_->coordinate_bits;
   integrator_->prepare(n);
   Sums sums;
-  std::vector<double> kernel, wall;
-  double spent = 0;
-  while (kernel.empty() || (kernel.size() < kRepeatCount && spent < kRepeatSeconds)) {
-    const auto start = Clock::now();
-    kernel.push_back(once(n, sums));
-    wall.push_back(seconds_since(start));
-    spent += wall.back();
-  }
-  row.kernel = summarise_times(std::move(kernel));
-  row.wall = summarise_times(std::move(wall));
+  const auto start = Clock::now();
+  const double kernel_s = once(n, sums);
+  timed.add(row, kernel_s, seconds_since(start));
+  row.kernel = row.wall = summarise_times(row.kernel_times);
   summarise(sums, row);
   return row;
+}
+
+void PreparedCell::time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds,
+                               TimedLaunches& timed) {
+  Sums sums;
+  const PartialSums ignore = [](std::uint32_t, std::uint32_t, std::span<const double>) {};
+  bool again = true;
+  while (again) {
+    again = false;
+    for (std::size_t i = first; i < rows.size(); ++i) {
+      const std::size_t count = rows[i].kernel_times.size();
+      if (enough_launches(count, timed.spent(rows[i].n), most_rounds)) continue;
+      again = true;
+      const auto start = Clock::now();
+      const bool merged = count < kMergedLaunches;
+      const double kernel_s =
+          merged ? once(rows[i].n, sums) : integrator_->run(rows[i].n, y0_, ignore);
+      timed.add(rows[i], kernel_s, seconds_since(start), merged);
+    }
+  }
+  timed.finish(rows, first);
+}
+
+Row PreparedCell::run_row(std::uint64_t n) {
+  TimedLaunches timed(*calibration_);
+  std::vector<Row> rows;
+  rows.push_back(first_launch(n, timed));
+  time_rounds(rows, 0, kLaunchesAlone, timed);
+  return std::move(rows.front());
 }
 
 void PreparedCell::summarise(const Sums& sums, Row& row) {
@@ -184,6 +201,9 @@ std::string PreparedCell::extend(std::uint64_t n) {
   return "";
 }
 
+// Every round launches each row once, so that a machine that slows down or speeds up does so for
+// all of them. Sets that are built per N have one table at a time, and a rule that stops by time
+// needs that of a row before it starts the next: their rows are timed one by one.
 Stopped PreparedCell::run_rows(const std::optional<Reference>& reference, std::vector<Row>& rows) {
   const Cell asked = plan_->cell;
   Cell unbounded = asked;
@@ -192,18 +212,26 @@ Stopped PreparedCell::run_rows(const std::optional<Reference>& reference, std::v
   StopFacts facts;
   facts.rule = asked.stop;
   const auto start = Clock::now();
+  TimedLaunches timed(*calibration_);
+  const bool one_by_one = !plan_->sampler->extensible || asked.stop.any();
+  const auto finished = [&](Stopped stopped) {
+    if (!one_by_one) time_rounds(rows, 0, kLaunchesOfRun, timed);
+    return stopped;
+  };
   for (facts.n = asked.n.front();; facts.n = *facts.next) {
-    rows.push_back(run_row(facts.n));
+    rows.push_back(first_launch(facts.n, timed));
+    if (one_by_one)
+      time_rounds(rows, rows.size() - 1, asked.stop.any() ? kLaunchesAlone : kLaunchesOfRun, timed);
     launches.push_back({facts.n, rows.back().wall.median});
     facts.launches = launches;
     facts.next = next_size(*plan_->sampler, asked, facts.n);
     facts.sampler_ends = !facts.next && !next_size(*plan_->sampler, unbounded, facts.n);
     facts.reached = reached_error(rows.back(), exact_.mean, reference);
     facts.spent = seconds_since(start);
-    if (const auto stopped = why_stop(facts)) return *stopped;
+    if (const auto stopped = why_stop(facts)) return finished(*stopped);
     if (*facts.next <= plan_->cell.n.back()) continue;
     const std::string refusal = extend(*facts.next);
-    if (!refusal.empty()) return stopped_by_sampler(facts, refusal);
+    if (!refusal.empty()) return finished(stopped_by_sampler(facts, refusal));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "device/calibration.hpp"
 #include "device/exact.hpp"
 #include "device/integrator.hpp"
 #include "estimate/assess.hpp"
@@ -14,6 +15,8 @@
 #include "estimate/kurtosis.hpp"
 
 namespace koksma {
+
+class TimedLaunches;
 
 // A cell with its program built and warmed up and its tables uploaded, so that nothing is built
 // while others are timed.
@@ -27,13 +30,14 @@ class PreparedCell {
   // against `reference`, or without one against the cell's own last estimate.
   CellResult run(std::size_t rows_of_run = 0,
                  const std::optional<Reference>& reference = std::nullopt);
-  // One row, untimed repeats and all.
+  // One row by itself, timed in a few launches beside the calibration kernel.
   Row run_row(std::uint64_t n);
 
   const Plan& plan() const { return *plan_; }
   const ExactValues& exact() const { return exact_; }
   Integrator& integrator() { return *integrator_; }
   double build_s() const { return build_s_; }
+  const Calibration& calibration() const { return *calibration_; }
   // For judging its rows again, once more is known of them.
   CellContext context() const;
 
@@ -44,6 +48,11 @@ class PreparedCell {
   std::string extend(std::uint64_t n);
   void start_integrator();
   double once(std::uint64_t n, Sums& sums);
+  // The first launch of a row, and what it gives; its times go to timed.
+  Row first_launch(std::uint64_t n, TimedLaunches& timed);
+  // Further rounds over these rows, one launch of each after the other, then their times.
+  void time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds,
+                   TimedLaunches& timed);
   void summarise(const Sums& sums, Row& row);
   void estimate_kurtosis_of_f();
 
@@ -52,6 +61,7 @@ class PreparedCell {
   std::unique_ptr<Plan> plan_;  // the integrator keeps a reference
   ExactValues exact_;
   std::unique_ptr<Integrator> integrator_;
+  std::unique_ptr<Calibration> calibration_;
   double build_s_ = 0;
   double earlier_setup_s_ = 0;  // of integrators with smaller tables
   double y0_ = 0;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "estimate/timed_launches.hpp"
+
 namespace koksma {
 namespace {
 
@@ -37,8 +39,9 @@ Stopped stop_at(const StopFacts& facts, std::string by, std::string reason) {
 }  // namespace
 
 double row_seconds(double launch) {
-  const double repeats = std::ceil(kRepeatSeconds / launch);
-  return launch * std::clamp(repeats, 1.0, static_cast<double>(kRepeatCount));
+  std::size_t count = 1;
+  while (!enough_launches(count, static_cast<double>(count) * launch, kLaunchesAlone)) ++count;
+  return static_cast<double>(count) * launch;
 }
 
 std::optional<double> reached_error(const Row& row, const std::optional<double>& mean,

@@ -16,10 +16,6 @@
 
 namespace koksma {
 
-// A row's launch is repeated for so many seconds or so many times, whichever comes first.
-inline constexpr double kRepeatSeconds = 0.020;
-inline constexpr std::size_t kRepeatCount = 5;
-
 // Seconds of all launches of a row, when one takes `launch` > 0 seconds.
 double row_seconds(double launch);
 

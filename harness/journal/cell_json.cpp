@@ -48,6 +48,13 @@ Json time_json(const TimeStatistics& t) {
   return {{"median", t.median}, {"min", t.min}, {"spread", t.spread}, {"count", t.count}};
 }
 
+// Of five digits: more than a clock is good for.
+Json times_json(const std::vector<double>& times) {
+  Json json = Json::array();
+  for (const double t : times) json.push_back(std::stod(fmt::format("{:.4e}", t)));
+  return json;
+}
+
 Json mc_test_json(const McTest& test) {
   if (!test.applicable) return {{"applicable", false}, {"reason", test.reason}};
   return {{"applicable", true},
@@ -95,6 +102,8 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
   json["grid_limited"] = row.grid_limited;
   json["kernel_s"] = time_json(row.kernel);
   json["wall_s"] = time_json(row.wall);
+  json["kernel_times_s"] = times_json(row.kernel_times);
+  if (!row.calibration.empty()) json["calibration_s"] = times_json(row.calibration);
   json["launch_bound"] = launch_bound(row);
   json["seconds_per_replicate"] = seconds;
   json["samples_per_s"] = row.kernel.median > 0 ? Json(samples / row.kernel.median) : Json(nullptr);

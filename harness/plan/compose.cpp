@@ -190,6 +190,16 @@ ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchS
   return {fmt::format("the quality kernels of {}.cl", piece), std::move(text), kOptions};
 }
 
+ProgramSource calibration_program(const LaunchShape& shape) {
+  std::string text = fmt::format(
+      "#define KOKSMA_LANES_PER_ITEM {}\n#define KOKSMA_FP64 0\n#define KOKSMA_DIM 1\n"
+      "#define KOKSMA_CENTRED 1\n#define KOKSMA_LOCAL_SIZE {}\n",
+      shape.lanes_per_item, shape.local_size);
+  append_embedded(text, "kernels/prelude.cl");
+  append_embedded(text, "kernels/calibrate.cl");
+  return {"the calibration kernel", std::move(text), kOptions};
+}
+
 ProgramSource self_test_program(const std::string& piece,
                                 const std::vector<const SumAlgorithm*>& sums, Precision precision,
                                 std::uint32_t lanes_per_item, const std::string& options) {

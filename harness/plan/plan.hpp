@@ -118,6 +118,9 @@ ProgramSource exact_program(const Integrand& integrand, const Scene& scene);
 // lanes per work-item and the local size.
 ProgramSource quality_program(const std::string& piece, bool fp64, const LaunchShape& shape);
 
+// kernels/calibrate.cl behind the prelude in fp32; `shape` as above.
+ProgramSource calibration_program(const LaunchShape& shape);
+
 // kernels/stability/<piece>.cl behind the prelude and these sums, each with the kernel add_up_<k>
 // of add-up.cl, k its place among them. `options` come behind those that every program has.
 ProgramSource self_test_program(const std::string& piece,

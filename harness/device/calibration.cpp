@@ -1,0 +1,48 @@
+#include "device/calibration.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace koksma {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Work-groups per compute unit: several, so that a core that is late is waited for less long.
+constexpr std::size_t kGroupsPerUnit = 4;
+
+}  // namespace
+
+Calibration::Calibration(Device& device) : device_(device) {
+  LaunchShape shape;
+  shape.lanes_per_item = device.facts().is_cpu ? 16 : 1;
+  shape.local_size = device.facts().is_cpu ? 1
+                                           : static_cast<std::uint32_t>(std::min<std::uint64_t>(
+                                                 64, device.facts().max_work_group_size));
+  local_size_ = shape.local_size;
+  items_ = std::size_t{device.facts().compute_units} * kGroupsPerUnit * local_size_;
+  const BuiltProgram built = device.build(calibration_program(shape));
+  kernel_ = checked([&] { return cl::Kernel(built.program, "calibrate"); });
+  out_ = device.allocate(items_ * sizeof(float));
+  run();
+  launches_ = 0;
+  wall_s_ = 0;
+}
+
+double Calibration::run() {
+  const auto start = Clock::now();
+  const double seconds = checked([&] {
+    kernel_.setArg(0, salt_++);
+    kernel_.setArg(1, out_);
+    cl::Event event;
+    device_.queue().enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(items_),
+                                         cl::NDRange(local_size_), nullptr, &event);
+    event.wait();
+    return event_seconds(event);
+  });
+  ++launches_;
+  wall_s_ += std::chrono::duration<double>(Clock::now() - start).count();
+  return seconds;
+}
+
+}  // namespace koksma

@@ -1,0 +1,311 @@
+#include "report/compare.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <map>
+
+#include "error/error.hpp"
+#include "report/compare_errors.hpp"
+#include "report/compare_times.hpp"
+#include "report/results.hpp"
+
+namespace koksma {
+namespace {
+
+constexpr std::size_t kLevels = 3;  // rows, cells, the study: alpha is shared by them
+
+std::string name_of(const Json& cell) {
+  return fmt::format("{} {} {} {} {}", cell["scene"]["text"].get<std::string>(),
+                     cell["sampler"].get<std::string>(), cell["estimator"].get<std::string>(),
+                     cell["precision"].is_string() ? cell["precision"].get<std::string>() : "-",
+                     cell["sum"].get<std::string>());
+}
+
+std::string key_of(const Json& cell, const Json& precision) {
+  std::string key;
+  const Json& scene = cell["scene"];
+  for (const char* part : {"integrand", "d", "parameters", "choices"}) key += scene[part].dump();
+  for (const char* part : {"sampler", "estimator", "sum"}) key += cell[part].dump();
+  return key + precision.dump();
+}
+
+// Cells by key; of equal ones, as a study may hold, the first, second, ... are told apart.
+std::map<std::string, const Json*> by_key(const Json& cells) {
+  std::map<std::string, const Json*> map;
+  for (const Json& cell : cells) {
+    const std::string key = key_of(cell, cell["precision"]);
+    for (std::size_t k = 0; !map.try_emplace(fmt::format("{} {}", key, k), &cell).second;) ++k;
+  }
+  return map;
+}
+
+std::string text_at(const Json& context, const char* pointer) {
+  const Json value = context.value(Json::json_pointer(pointer), Json());
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+bool same(const Json& base, const Json& now, const char* pointer) {
+  return text_at(base, pointer) == text_at(now, pointer);
+}
+
+bool same_device(const Json& base, const Json& now) {
+  return same(base, now, "/device/name") && same(base, now, "/device/vendor") &&
+         same(base, now, "/device/platform") && same(base, now, "/device/compute_units");
+}
+
+std::vector<std::string> context_notes(const Json& base, const Json& now,
+                                       const CompareOptions& options) {
+  std::vector<std::string> notes;
+  if (!same_device(base, now))
+    notes.push_back(options.across_devices
+                        ? "the devices differ; times are compared as asked for"
+                        : "the devices differ: times are not compared (--across-devices does)");
+  for (const auto& [pointer, what] :
+       {std::pair{"/device/name", "device"}, std::pair{"/device/compute_units", "compute units"},
+        std::pair{"/device/driver", "driver"}, std::pair{"/device/version", "OpenCL version"},
+        std::pair{"/host", "host"}, std::pair{"/build_type", "build type"},
+        std::pair{"/compiler", "compiler"}, std::pair{"/version", "version of koksma"},
+        std::pair{"/environment", "environment"}, std::pair{"/seed", "seed"}})
+    if (!same(base, now, pointer))
+      notes.push_back(
+          fmt::format("{}: {}, was {}", what, text_at(now, pointer), text_at(base, pointer)));
+  return notes;
+}
+
+Json short_context(Json context) {
+  context.erase("study");
+  return context;
+}
+
+// Pairs of cells: of each of the base, that of the new results or nullptr. A cell that failed does
+// not know its precision where the study leaves it to the device.
+std::map<const Json*, const Json*> paired(const Json& base, const Json& now) {
+  const auto others = by_key(now);
+  std::map<const Json*, const Json*> partner;
+  for (const auto& [key, cell] : by_key(base)) {
+    auto found = others.find(key);
+    if (found == others.end()) found = others.find(key_of(*cell, nullptr) + " 0");
+    partner[cell] = found == others.end() ? nullptr : found->second;
+  }
+  return partner;
+}
+
+// Everything of one comparison; the tests are made once all rows are known, among which the error
+// probability is shared.
+class Comparer {
+ public:
+  Comparer(const Json& base, const Json& now, const CompareOptions& options) {
+    result_.options = options;
+    result_.base = short_context(base["context"]);
+    result_.now = short_context(now["context"]);
+    result_.notes = context_notes(base["context"], now["context"], options);
+    times_wanted_ = options.across_devices || same_device(base["context"], now["context"]);
+    const auto partner = paired(base["cells"], now["cells"]);
+    for (const Json& cell : base["cells"]) add(cell, partner.at(&cell));
+    for (const Json& cell : now["cells"])
+      if (std::none_of(partner.begin(), partner.end(),
+                       [&](const auto& pair) { return pair.second == &cell; }))
+        result_.cells.push_back({name_of(cell), CellState::added, cell["reason"], {}, {}});
+  }
+
+  Comparison finish() {
+    judge_errors();
+    judge_times();
+    return std::move(result_);
+  }
+
+ private:
+  struct Pair {
+    std::size_t cell, row;  // places in result_
+    const Json *base, *now;
+    double floor;
+    std::string no_times;  // why
+    Stratum times;
+  };
+
+  void add(const Json& base, const Json* now) {
+    CellChange cell;
+    cell.name = name_of(base);
+    const bool was_ok = base["status"] == "ok";
+    if (now == nullptr) {
+      cell.state = was_ok ? CellState::vanished : CellState::idle;
+      cell.reason = "the cell is not in the new results";
+    } else if ((*now)["status"] != "ok") {
+      cell.state = was_ok ? CellState::failed : CellState::idle;
+      const std::string reason = (*now)["reason"];
+      cell.reason = fmt::format("{}: {}", (*now)["status"].get<std::string>(),
+                                reason.substr(0, reason.find('\n')));
+    } else if (!was_ok) {
+      cell.state = CellState::repaired;
+    }
+    result_.cells.push_back(std::move(cell));
+    if (result_.cells.back().state == CellState::compared) add_rows(base, *now);
+  }
+
+  void add_rows(const Json& base, const Json& now) {
+    CellChange& cell = result_.cells.back();
+    for (const Json& row : base["rows"]) {
+      RowChange change;
+      change.n = row["n"];
+      const auto other = std::find_if(now["rows"].begin(), now["rows"].end(),
+                                      [&](const Json& r) { return r["n"] == row["n"]; });
+      if (other == now["rows"].end()) {
+        change.vanished = "the row is not in the new results";
+        change.time.reason = change.error.reason = change.vanished;
+      } else {
+        pairs_.push_back({result_.cells.size() - 1,
+                          cell.rows.size(),
+                          &row,
+                          &*other,
+                          common_floor(base, now),
+                          no_times(base, now),
+                          {}});
+      }
+      cell.rows.push_back(std::move(change));
+    }
+  }
+
+  std::string no_times(const Json& base, const Json& now) const {
+    if (!times_wanted_) return "another device";
+    if (base["replicates"] != now["replicates"])
+      return fmt::format("{} replicates, were {}", now["replicates"].dump(),
+                         base["replicates"].dump());
+    return "";
+  }
+
+  RowChange& row_of(const Pair& pair) { return result_.cells[pair.cell].rows[pair.row]; }
+
+  void judge_errors() {
+    const auto known =
+        static_cast<std::size_t>(std::count_if(pairs_.begin(), pairs_.end(), [](const Pair& pair) {
+          return (*pair.base)["rmse"].is_number();
+        }));
+    result_.rows_with_errors = known;
+    if (known == 0) return;
+    const double z_limit = quantile(
+        complement(boost::math::normal(), result_.options.alpha / static_cast<double>(known)));
+    for (const Pair& pair : pairs_)
+      row_of(pair).error = error_change(*pair.base, *pair.now, pair.floor, z_limit);
+  }
+
+  void take_times(Pair& pair) {
+    if (!pair.no_times.empty()) {
+      row_of(pair).time.reason = pair.no_times;
+      return;
+    }
+    const bool calibrated =
+        pair.base->contains("calibration_s") && pair.now->contains("calibration_s");
+    pair.times = {log_times(*pair.base, calibrated), log_times(*pair.now, calibrated)};
+    if (pair.times.a.empty() || pair.times.b.empty()) {
+      row_of(pair).time.reason = "no times of single launches";
+      return;
+    }
+    ++result_.rows_timed;
+    uncalibrated_ += calibrated ? 0 : 1;
+    if (calibrated) {
+      Stratum& unit = calibration_.emplace_back();
+      for (const Json& t : (*pair.base)["calibration_s"])
+        unit.a.push_back(std::log(t.get<double>()));
+      for (const Json& t : (*pair.now)["calibration_s"])
+        unit.b.push_back(std::log(t.get<double>()));
+    }
+  }
+
+  void judge_times() {
+    for (Pair& pair : pairs_) take_times(pair);
+    if (uncalibrated_ > 0)
+      result_.notes.push_back(
+          fmt::format("{} rows have no calibration: their times are compared as they are, drift of "
+                      "the machine and all",
+                      uncalibrated_));
+    if (result_.rows_timed == 0) {
+      result_.study.reason = "no row has times to compare";
+      return;
+    }
+    std::map<std::size_t, std::vector<Stratum>> cells;
+    std::vector<Stratum> all;
+    std::vector<double> row_ratios, cell_ratios;
+    for (const Pair& pair : pairs_) {
+      if (!row_of(pair).time.reason.empty()) continue;
+      row_of(pair).time = time_change(pair.times);
+      row_ratios.push_back(row_of(pair).time.ratio);
+      cells[pair.cell].push_back(pair.times);
+      all.push_back(pair.times);
+    }
+    for (const auto& [place, rows] : cells) {
+      result_.cells[place].time = combined_change(rows);
+      cell_ratios.push_back(result_.cells[place].time.ratio);
+    }
+    result_.study = combined_change(all);
+    result_.cells_timed = cells.size();
+    result_.row_spread = spread_of(row_ratios);
+    // Of few cells that of their rows, which is larger.
+    result_.cell_spread =
+        cells.size() < kLeastForSpread ? result_.row_spread : spread_of(cell_ratios);
+    if (!calibration_.empty()) result_.calibration_ratio = combined_change(calibration_).ratio;
+    decide_times();
+  }
+
+  // A third of alpha to each level, there divided by the number of tests.
+  void decide_times() {
+    const double threshold = result_.options.threshold, share = result_.options.alpha / kLevels;
+    const auto rows = static_cast<double>(result_.rows_timed),
+               cells = static_cast<double>(result_.cells_timed);
+    for (CellChange& cell : result_.cells) {
+      for (RowChange& row : cell.rows)
+        decide(row.time, threshold, share / rows, result_.row_spread);
+      decide(cell.time, threshold, share / cells, result_.cell_spread);
+    }
+    // The standard error of a median of normal variables is sqrt(pi / 2) sd / sqrt(n).
+    constexpr double kOfMedian = 1.2533141373155;
+    decide(result_.study, threshold, share, kOfMedian * result_.cell_spread / std::sqrt(cells));
+  }
+
+  Comparison result_;
+  bool times_wanted_ = true;
+  std::size_t uncalibrated_ = 0;
+  std::vector<Pair> pairs_;
+  std::vector<Stratum> calibration_;
+};
+
+}  // namespace
+
+bool CellChange::regression() const {
+  return state == CellState::vanished || state == CellState::failed ||
+         time.change == Change::worse ||
+         std::any_of(rows.begin(), rows.end(), [](const RowChange& row) {
+           return row.time.change == Change::worse || row.error.change == Change::worse ||
+                  !row.vanished.empty();
+         });
+}
+
+bool Comparison::regression() const {
+  return study.change == Change::worse ||
+         std::any_of(cells.begin(), cells.end(),
+                     [](const CellChange& cell) { return cell.regression(); });
+}
+
+Json read_results(const std::string& path) {
+  Json json = parse_json(read_text_file(path), path);
+  const auto refuse = [&](const std::string& found) {
+    throw InputError(path, found, "give a file that `koksma run` wrote");
+  };
+  if (!json.is_object() || !json.contains("schema_version") || !json.contains("cells"))
+    refuse("this is no results file");
+  if (json["schema_version"] != kResultsSchemaVersion)
+    throw InputError(path,
+                     fmt::format("results of schema_version {}", json["schema_version"].dump()),
+                     fmt::format("this koksma reads schema_version {}: run the study again with it",
+                                 kResultsSchemaVersion));
+  check_schema(json, "results/results.schema.json", path);
+  return json;
+}
+
+Comparison compare_results(const Json& base, const Json& now, const CompareOptions& options) {
+  return Comparer(base, now, options).finish();
+}
+
+}  // namespace koksma

@@ -1,0 +1,81 @@
+#include "report/compare_times.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+
+#include "estimate/timed_launches.hpp"
+
+namespace koksma {
+namespace {
+
+Stratum exchanged(const Stratum& s) { return {s.b, s.a}; }
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return quantile_of(values, 0.5);
+}
+
+}  // namespace
+
+std::vector<double> log_times(const Json& row, bool calibrated) {
+  std::vector<double> logs;
+  if (!row.contains("kernel_times_s")) return logs;
+  const Json& times = row["kernel_times_s"];
+  if (calibrated && row["calibration_s"].size() != times.size()) return logs;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double unit = calibrated ? row["calibration_s"][i].get<double>() : 1;
+    const double time = times[i].get<double>();
+    if (!(time > 0 && unit > 0)) return {};
+    logs.push_back(std::log(time / unit));
+  }
+  return logs;
+}
+
+TimeChange time_change(const Stratum& row) {
+  TimeChange result;
+  const double shift = shift_estimate(row.a, row.b);
+  result.ratio = std::exp(shift);
+  result.p = shift >= 0 ? mann_whitney(row.a, row.b).p : mann_whitney(row.b, row.a).p;
+  return result;
+}
+
+TimeChange combined_change(const std::vector<Stratum>& rows) {
+  TimeChange result;
+  if (rows.empty()) {
+    result.reason = "no row has times to compare";
+    return result;
+  }
+  std::vector<double> shifts;
+  std::vector<Stratum> other_way;
+  for (const Stratum& row : rows) {
+    shifts.push_back(shift_estimate(row.a, row.b));
+    other_way.push_back(exchanged(row));
+  }
+  const double shift = median(shifts);
+  result.ratio = std::exp(shift);
+  result.p = van_elteren(shift >= 0 ? rows : other_way);
+  return result;
+}
+
+double spread_of(const std::vector<double>& ratios) {
+  if (ratios.size() < kLeastForSpread) return 0;
+  std::vector<double> logs;
+  for (const double ratio : ratios) logs.push_back(std::log(ratio));
+  std::sort(logs.begin(), logs.end());
+  const boost::math::normal normal;
+  constexpr double kLow = 0.1, kHigh = 0.3;
+  return (quantile_of(logs, kHigh) - quantile_of(logs, kLow)) /
+         (boost::math::quantile(normal, kHigh) - boost::math::quantile(normal, kLow));
+}
+
+void decide(TimeChange& time, double threshold, double p_limit, double spread) {
+  if (!(time.ratio > 0)) return;
+  time.change = Change::none;
+  const double z = boost::math::quantile(boost::math::complement(boost::math::normal(), p_limit));
+  if (time.p > p_limit || std::fabs(std::log(time.ratio)) < z * spread) return;
+  if (time.ratio >= 1 + threshold) time.change = Change::worse;
+  if (time.ratio <= 1 / (1 + threshold)) time.change = Change::better;
+}
+
+}  // namespace koksma

@@ -1,0 +1,71 @@
+// Times of launches stand beside those of the calibration kernel.
+#include "device/calibration.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "estimate/measure.hpp"
+#include "estimate/timed_launches.hpp"
+#include "tests/support.hpp"
+
+using namespace koksma;
+
+TEST_CASE("the calibration kernel runs, takes time and is counted", "[device]") {
+  Calibration calibration(test::device());
+  CHECK(calibration.launches() == 0);
+  std::vector<double> times(9);
+  for (double& t : times) t = calibration.run();
+  CHECK(calibration.launches() == times.size());
+  std::sort(times.begin(), times.end());
+  CHECK(times.front() > 1e-6);  // it was not optimised away
+  CHECK(calibration.wall_s() >= times.front() * static_cast<double>(times.size()));
+}
+
+TEST_CASE("every timed launch has a calibration beside it, and long launches are not repeated",
+          "[device]") {
+  for (const char* sampler : {"sobol-owen", "latin"}) {  // one table for all N, and one for each
+    Cell cell = test::cell("linear-prod:d=2", sampler, 256, 4);
+    cell.n = {256, 512, 1024};
+    PreparedCell prepared(test::catalog(), test::device(), test::device(),
+                          make_plan(test::catalog(), cell, test::device().facts()));
+    const CellResult result = prepared.run();
+    INFO(sampler);
+    REQUIRE(result.rows.size() == 3);
+    std::size_t launches = 0;
+    for (const Row& row : result.rows) {
+      CHECK(row.kernel_times.size() >= 3);
+      CHECK(row.kernel_times.size() <= 16);
+      CHECK(row.calibration.size() == row.kernel_times.size());
+      CHECK(row.kernel.count == row.kernel_times.size());
+      CHECK(row.kernel.min == *std::min_element(row.kernel_times.begin(), row.kernel_times.end()));
+      for (const double t : row.calibration) CHECK(t > 1e-6);
+      launches += row.kernel_times.size();
+    }
+    // Short launches share calibrations: fewer than launches, at least one before and one after.
+    CHECK(prepared.calibration().launches() >= 2);
+    CHECK(prepared.calibration().launches() < launches);
+  }
+}
+
+TEST_CASE("a launch is set beside the shortest of the calibrations before and after it",
+          "[device]") {
+  Calibration calibration(test::device());
+  TimedLaunches timed(calibration);
+  std::vector<Row> rows(2);
+  rows[0].n = 1;
+  rows[1].n = 2;
+  for (int round = 0; round < 4; ++round) {
+    timed.add(rows[0], 1e-3, 1e-3);
+    timed.add(rows[1], 4e-3, 5e-3, round < 2);  // more than the 2.5 ms between calibrations
+  }
+  timed.finish(rows, 0);
+  // One calibration at first, then two after every pair of launches, for 6 ms of them.
+  CHECK(calibration.launches() == 1 + 4 * 2);
+  CHECK(rows[0].calibration == rows[1].calibration);  // both lie between the same two
+  CHECK(std::set<double>(rows[0].calibration.begin(), rows[0].calibration.end()).size() > 1);
+  CHECK(rows[0].kernel.median == 1e-3);
+  CHECK(rows[1].wall.count == 2);
+  CHECK(rows[1].kernel.count == 4);
+  CHECK(timed.spent(2) == Approx(4 * 5e-3));
+}

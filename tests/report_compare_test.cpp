@@ -1,0 +1,271 @@
+// koksma compare: what counts as a regression, on a recorded study with times made by a known law.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "report/compare.hpp"
+#include "report/compare_report.hpp"
+#include "report/results.hpp"
+#include "tests/support.hpp"
+
+using namespace koksma;
+using Catch::Contains;
+using test::run_command;
+
+namespace {
+
+// Cells of the committed default study: one of independent points, one deterministic, some
+// scrambled.
+Json recorded() {
+  Json results = parse_json(test::repository_file("results/default-study.json"), "recorded");
+  Json cells = Json::array();
+  for (std::size_t i = 0; i < 5; ++i) cells.push_back(results["cells"][i]);
+  results["cells"] = cells;
+  return results;
+}
+
+// Times of 8 rounds of a machine that drifts by a factor of two within the run and between runs,
+// with 5 % of noise, and launches that meet somebody else's and take up to twice as long; times
+// `factor`.
+Json timed(std::uint64_t seed, double factor = 1) {
+  Json results = recorded();
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0, 0.05);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const double phase = 6.28 * uniform(random);
+  double clock = 0;
+  for (Json& cell : results["cells"]) {
+    for (Json& row : cell["rows"]) {
+      row["kernel_times_s"] = row["calibration_s"] = Json::array();
+      for (int round = 0; round < 8; ++round) {
+        clock += 0.01;
+        const double drift = std::exp2(0.5 + 0.5 * std::sin(phase + clock));
+        const double hit = uniform(random) < 0.1 ? 1 + uniform(random) : 1;
+        row["kernel_times_s"].push_back(factor * 1e-8 * row["n"].get<double>() * drift * hit *
+                                        std::exp(normal(random)));
+        row["calibration_s"].push_back(1e-4 * drift * std::exp(normal(random)));
+      }
+    }
+  }
+  return results;
+}
+
+Comparison compared(const Json& base, const Json& now, CompareOptions options = {}) {
+  return compare_results(base, now, options);
+}
+
+Json& row_of(Json& results, std::size_t cell, std::size_t row) {
+  return results["cells"][cell]["rows"][row];
+}
+
+std::size_t deterministic_cell(const Json& results) {
+  for (std::size_t i = 0; i < results["cells"].size(); ++i)
+    if (results["cells"][i]["estimator"] == "qmc") return i;
+  FAIL("the default study has no cell of one point set");
+  return 0;
+}
+
+std::size_t row_with_interval(const Json& cell) {
+  for (std::size_t i = 0; i < cell["rows"].size(); ++i)
+    if (cell["rows"][i]["rmse_interval"].is_array()) return i;
+  FAIL("no row has an interval");
+  return 0;
+}
+
+}  // namespace
+
+TEST_CASE("two runs of one build on a machine that drifts by a factor of two do not differ",
+          "[statistical]") {
+  // 100 pairs at a family-wise level of 0.01 with a threshold of five standard deviations of the
+  // noise of a row: more than five alarms have a probability below 1e-3 by the level alone; by the
+  // threshold there is none in practice.
+  int alarms = 0;
+  for (std::uint64_t k = 0; k < 100; ++k)
+    alarms += compared(timed(2 * k), timed(2 * k + 1)).regression();
+  CHECK(alarms == 0);
+  // Without calibration the same machine is not comparable to itself.
+  int uncalibrated = 0;
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    Json base = timed(2 * k), now = timed(2 * k + 1);
+    for (Json* results : {&base, &now})
+      for (Json& cell : (*results)["cells"])
+        for (Json& row : cell["rows"]) row.erase("calibration_s");
+    uncalibrated += compared(base, now).regression();
+  }
+  CHECK(uncalibrated > 5);
+}
+
+TEST_CASE("a slowdown of 30 % of everything, of one cell and of one row is found",
+          "[statistical]") {
+  // 60 pairs each; all are found here, and a power of 0.95 would give 60 of 60 with 0.05 only.
+  int everything = 0, cell = 0, row = 0, small = 0;
+  for (std::uint64_t k = 0; k < 60; ++k) {
+    const Json base = timed(2 * k);
+    const Comparison all = compared(base, timed(2 * k + 1, 1.3));
+    everything += all.regression() && all.study.change == Change::worse;
+    Json slow_cell = timed(2 * k + 1), slow_row = slow_cell, slower = slow_cell;
+    for (Json& r : slow_cell["cells"][1]["rows"])
+      for (Json& t : r["kernel_times_s"]) t = 1.3 * t.get<double>();
+    const Comparison one = compared(base, slow_cell);
+    cell += one.cells[1].time.change == Change::worse && one.study.change == Change::none;
+    for (Json& t : row_of(slow_row, 2, 3)["kernel_times_s"]) t = 2.5 * t.get<double>();
+    const Comparison single = compared(base, slow_row);
+    row += single.cells[2].rows[3].time.change == Change::worse &&
+           single.cells[2].time.change == Change::none;
+    for (Json& c : slower["cells"])
+      for (Json& r : c["rows"])
+        for (Json& t : r["kernel_times_s"]) t = 1.08 * t.get<double>();
+    small += compared(base, slower).regression();
+  }
+  CHECK(everything == 60);
+  CHECK(cell >= 57);
+  CHECK(row >= 57);
+  CHECK(small == 0);  // 8 % are below the threshold, however sure
+}
+
+TEST_CASE("what got faster is told and is no regression", "[unit]") {
+  const Comparison c = compared(timed(1, 1.4), timed(2));
+  CHECK(c.study.change == Change::better);
+  CHECK_FALSE(c.regression());
+  CHECK(compared(timed(2), timed(1, 1.4), {.threshold = 0.5}).study.change == Change::none);
+}
+
+TEST_CASE("errors are compared by their intervals, those of one point set up to rounding",
+          "[unit]") {
+  const Json base = timed(1);
+  Json now = timed(2);
+  const std::size_t r = row_with_interval(now["cells"][0]);
+  Json& row = row_of(now, 0, r);
+  const double rmse = row["rmse"];
+  const auto scale = [&](double factor) {
+    row["rmse"] = rmse * factor;
+    row["rmse_interval"] = {rmse * factor * 0.8, rmse * factor * 1.25};
+    return compared(base, now).cells[0].rows[r].error;
+  };
+  CHECK(scale(1.05).change == Change::none);
+  CHECK_FALSE(scale(1.05).suspect);
+  CHECK(scale(1.7).suspect);
+  CHECK(scale(1.7).change == Change::none);
+  CHECK(scale(5).change == Change::worse);
+  CHECK(compared(base, now).regression());
+  CHECK(scale(0.2).change == Change::better);
+  CHECK_FALSE(compared(base, now).regression());
+  row["rmse"] = nullptr;
+  row["error_reason"] = "none was found";
+  CHECK_THAT(compared(base, now).cells[0].rows[r].error.reason, Contains("none was found"));
+  CHECK(compared(base, now).regression());
+  // Deterministic points.
+  Json other = timed(2);
+  const std::size_t d = deterministic_cell(other);
+  other["cells"][d]["rounding_floor"] = 1e-12;
+  Json& exact = row_of(other, d, 4);
+  const double error = exact["rmse"];
+  exact["rmse"] = error + 5e-13;
+  CHECK(compared(base, other).cells[d].rows[4].error.change == Change::none);
+  exact["rmse"] = error + 1e-9;
+  CHECK(compared(base, other).cells[d].rows[4].error.change == Change::worse);
+}
+
+TEST_CASE("cells and rows that vanish or fail are regressions, new ones are listed", "[unit]") {
+  const Json base = timed(1);
+  Json fewer = timed(2);
+  fewer["cells"].erase(1);
+  CHECK(compared(base, fewer).cells[1].state == CellState::vanished);
+  CHECK(compared(base, fewer).regression());
+  const Comparison more = compared(fewer, base);
+  CHECK(more.cells.back().state == CellState::added);
+  CHECK_FALSE(more.regression());
+
+  Json failed = timed(2);
+  failed["cells"][1]["status"] = "failed";
+  failed["cells"][1]["reason"] = "does not compile:\nline 3";
+  failed["cells"][1]["precision"] = nullptr;  // as of a cell that was never planned
+  failed["cells"][1]["rows"] = Json::array();
+  const Comparison c = compared(base, failed);
+  CHECK(c.cells.size() == base["cells"].size());
+  CHECK(c.cells[1].state == CellState::failed);
+  CHECK(c.cells[1].reason == "failed: does not compile:");
+  CHECK(c.regression());
+  CHECK(compared(failed, failed).cells[1].state == CellState::idle);
+  CHECK_FALSE(compared(failed, failed).regression());
+
+  Json shorter = timed(2);
+  shorter["cells"][0]["rows"].erase(2);
+  CHECK(compared(base, shorter).regression());
+  CHECK_FALSE(compared(base, shorter).cells[0].rows[2].vanished.empty());
+}
+
+TEST_CASE(
+    "other devices, drivers and seeds are told; times of other devices are not compared unless "
+    "asked",
+    "[unit]") {
+  const Json base = timed(1);
+  Json now = timed(2, 2);
+  now["context"]["device"]["driver"] = "4.0";
+  now["context"]["seed"] = 7;
+  const Comparison driver = compared(base, now);
+  CHECK(driver.study.change == Change::worse);
+  CHECK_THAT(compare_table(driver), Contains("driver: 4.0") && Contains("seed: 7, was 1"));
+  now["context"]["device"]["name"] = "another";
+  const Comparison device = compared(base, now);
+  CHECK(device.study.change == Change::unknown);
+  CHECK_FALSE(device.regression());
+  CHECK_THAT(compare_table(device), Contains("times are not compared"));
+  CHECK(compared(base, now, {.across_devices = true}).study.change == Change::worse);
+  Json other = timed(2, 2);
+  for (Json& cell : other["cells"]) cell["replicates"] = 7;
+  CHECK_THAT(compared(base, other).cells[0].rows[0].time.reason, Contains("7 replicates"));
+}
+
+TEST_CASE("the table, the Markdown and the JSON say what changed", "[unit]") {
+  Json now = timed(2);
+  for (Json& r : now["cells"][1]["rows"])
+    for (Json& t : r["kernel_times_s"]) t = 2 * t.get<double>();
+  const Comparison c = compared(timed(1), now);
+  const std::string table = compare_table(c), markdown = compare_markdown(c);
+  CHECK_THAT(table, Contains("SLOWER") && Contains("REGRESSION: 1 of 5 cells"));
+  CHECK_THAT(markdown, Catch::StartsWith("**koksma compare: REGRESSION: 1 of 5 cells**") &&
+                           Contains("| SLOWER") && Contains("4 cells without change"));
+  const Json json = compare_json(c);  // checks the schema
+  CHECK(json["regression"] == true);
+  CHECK(json["cells"][1]["regression"] == true);
+  CHECK(json["cells"][1]["time"]["ratio"].get<double>() == Approx(2).epsilon(0.1));
+  CHECK(json["cells"][0]["regression"] == false);
+}
+
+TEST_CASE("the command tells regressions by its exit status and refuses what are no results",
+          "[unit]") {
+  const test::TemporaryFolder folder;
+  const std::string base = folder.write("base.json", dumped(timed(1))),
+                    same = folder.write("same.json", dumped(timed(2))),
+                    slow = folder.write("slow.json", dumped(timed(3, 1.5)));
+  CHECK(run_command("compare " + base + " " + same).status == 0);
+  CHECK(run_command("compare " + base + " " + slow).status == 1);
+  CHECK(run_command("compare " + base + " " + slow + " --threshold 80").status == 0);
+  const auto markdown = run_command("compare " + base + " " + slow + " --markdown");
+  CHECK_THAT(markdown.output, Catch::StartsWith("**koksma compare: REGRESSION"));
+  const auto both =
+      run_command("compare " + base + " " + slow + " --json " + folder.path("c.json"));
+  CHECK_THAT(both.output, Contains("REGRESSION"));
+  CHECK(parse_json(read_text_file(folder.path("c.json")), "c.json")["regression"] == true);
+
+  const auto refused = [&](const std::string& file, const char* why) {
+    const auto result = run_command("compare " + base + " " + file);
+    INFO(result.output);
+    CHECK(result.status == 2);
+    CHECK_THAT(result.output, Contains(why) && Contains(file));
+  };
+  const std::string text = dumped(timed(2));
+  refused(folder.write("cut.json", text.substr(0, text.size() / 2)), "malformed JSON");
+  refused(folder.write("study.json", R"({"n": "2^8", "cells": []})"), "no results file");
+  Json old = timed(2);
+  old["schema_version"] = 1;
+  refused(folder.write("old.json", dumped(old)), "schema_version 1");
+  Json wrong = timed(2);
+  wrong["cells"][0]["rows"][0]["kernel_times_s"] = "fast";
+  refused(folder.write("wrong.json", dumped(wrong)), "kernel_times_s");
+  refused(folder.path("nowhere.json"), "cannot be read");
+}
