@@ -19,8 +19,8 @@ namespace {
 
 constexpr const char* kWorkPath = "harness/device/tune.json";
 constexpr std::uint32_t kLanes = 16;
-// Turns of every shape, and the time after which no further turn begins.
-constexpr int kTurns = 15;
+// Turns of every shape: as many as begin within this time, in these bounds.
+constexpr int kLeastTurns = 9, kMostTurns = 25;
 constexpr double kSeconds = 2;
 // PoCL builds a kernel anew for a launch with a grid as wide as this; such shapes would build in
 // the middle of a run.
@@ -138,9 +138,10 @@ class KernelTuner {
     if (contenders.empty()) return;
     if (!timed_.empty()) add(contenders, best());
     const auto start = Clock::now();
-    for (int turn = 0; turn < kTurns; ++turn) {
+    for (int turn = 0; turn < kMostTurns; ++turn) {
       for (auto& contender : contenders) contender->take_turn();
-      if (std::chrono::duration<double>(Clock::now() - start).count() > kSeconds) break;
+      const double spent = std::chrono::duration<double>(Clock::now() - start).count();
+      if (turn + 1 >= kLeastTurns && spent > kSeconds) break;
     }
     take_over(contenders);
   }
