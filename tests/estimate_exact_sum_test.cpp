@@ -57,6 +57,38 @@ TEST_CASE("exact sums equal quad-precision sums where those are exact", "[unit][
   }
 }
 
+TEST_CASE("many terms at once are summed as one by one, whatever their sizes", "[unit][estimate]") {
+  std::mt19937_64 engine(4);
+  const auto check = [](const std::vector<double>& terms) {
+    ExactSum at_once, one_by_one;
+    at_once.add(terms);
+    for (const double term : terms) one_by_one.add(term);
+    CHECK(same_bits(at_once.rounded(), one_by_one.rounded()));
+    CHECK(at_once.nonfinite() == one_by_one.nonfinite());
+    // Every bit, not the leading ones alone.
+    at_once.subtract(one_by_one);
+    if (one_by_one.nonfinite() == 0) CHECK(at_once.rounded() == 0);
+  };
+  // Exponents 0 to 40 apart come out in two parts, wider ranges do not; the lowest are denormal,
+  // the highest overflow on the way.
+  for (const unsigned low : {0U, 1U, 200U, 1000U, 1800U, 1980U})
+    for (const unsigned range : {0U, 3U, 40U, 52U, 53U, 54U, 66U})
+      for (const std::size_t count : {31U, 32U, 33U, 64U, 1000U, 1023U, 1024U}) {
+        std::vector<double> terms(count);
+        for (double& term : terms) term = random_double(engine, low, low + range);
+        check(terms);
+      }
+  std::vector<double> terms(64, 1.0);
+  for (const double odd : {0.0, -0.0, kTiny, -kTiny, kMax, kInfinity, -kInfinity, kNan})
+    for (const std::size_t place : {0U, 31U, 63U}) {
+      std::vector<double> with = terms;
+      with[place] = odd;
+      check(with);
+    }
+  check(std::vector<double>(64, 0.0));
+  check(std::vector<double>(4096, std::nextafter(1.0, 2.0)));
+}
+
 TEST_CASE("one term comes back unchanged, whatever its exponent", "[unit][estimate]") {
   std::mt19937_64 engine(2);
   for (int trial = 0; trial < 20000; ++trial) {

@@ -21,31 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
 
-// While it lives, the cache is in this folder. The device, whose driver keeps a cache by the same
-// variable, is opened before.
-class CacheAt {
- public:
-  explicit CacheAt(const std::string& folder) {
-    test::device();
-    const char* before = std::getenv("XDG_CACHE_HOME");
-    if (before != nullptr) before_ = before;
-    had_one_ = before != nullptr;
-    setenv("XDG_CACHE_HOME", folder.c_str(), 1);
-  }
-  ~CacheAt() {
-    if (had_one_)
-      setenv("XDG_CACHE_HOME", before_.c_str(), 1);
-    else
-      unsetenv("XDG_CACHE_HOME");
-  }
-  CacheAt(const CacheAt&) = delete;
-  CacheAt& operator=(const CacheAt&) = delete;
-
- private:
-  std::string before_;
-  bool had_one_ = false;
-};
-
 // Every sampler whose set a device prepares, with 256 points.
 std::vector<std::string> prepared_samplers() {
   std::vector<std::string> names;
@@ -77,7 +52,7 @@ std::vector<std::byte> fresh_table(const Plan& plan) {
 
 TEST_CASE("best candidates are Mitchell's: the farthest of n + 1, by brute force", "[device]") {
   const test::TemporaryFolder folder;
-  const CacheAt cache(folder.path("cache"));
+  const test::CacheAt cache(folder.path("cache"));
   for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{0xFEDCBA9876543210U}}) {
     const auto candidate = [&](std::uint32_t n, std::uint32_t m) {
       return r123::Philox4x32{}(
@@ -115,7 +90,7 @@ TEST_CASE("best candidates are Mitchell's: the farthest of n + 1, by brute force
 TEST_CASE("a prepared set is the same for every work-group size, and another for every seed",
           "[device]") {
   const test::TemporaryFolder folder;
-  const CacheAt cache(folder.path("cache"));
+  const test::CacheAt cache(folder.path("cache"));
   for (const std::string& name : prepared_samplers()) {
     INFO(name);
     Plan plan = plan_of(name);
@@ -133,7 +108,7 @@ TEST_CASE("a prepared set is the same for every work-group size, and another for
 TEST_CASE("a set is taken from the cache, and a cached file that is not as written is replaced",
           "[device]") {
   const test::TemporaryFolder folder;
-  const CacheAt cache(folder.path("cache"));
+  const test::CacheAt cache(folder.path("cache"));
   const auto samplers = prepared_samplers();
   REQUIRE(samplers.size() >= 2);
   for (const std::string& name : samplers) {
@@ -167,12 +142,12 @@ TEST_CASE("a set is taken from the cache, and a cached file that is not as writt
 TEST_CASE("a cache folder that cannot be written, or none at all, is no failure", "[device]") {
   const test::TemporaryFolder folder;
   const std::string name = prepared_samplers().front();
-  const CacheAt cache(folder.path("cache"));
+  const test::CacheAt cache(folder.path("cache"));
   const auto table = fresh_table(plan_of(name));
   folder.write("file", "");
   for (const std::string& bad :
        {folder.path("file"), std::string("/proc/nowhere"), std::string("relative")}) {
-    const CacheAt forbidden(bad);
+    const test::CacheAt forbidden(bad);
     const char* home = std::getenv("HOME");
     const std::string kept = home == nullptr ? "" : home;
     unsetenv("HOME");
@@ -186,7 +161,7 @@ TEST_CASE("a cache folder that cannot be written, or none at all, is no failure"
 
 TEST_CASE("a preparation that falls short says so and is not kept", "[device]") {
   const test::TemporaryFolder folder;
-  const CacheAt cache(folder.path("cache"));
+  const test::CacheAt cache(folder.path("cache"));
   for (const std::string& name : prepared_samplers()) {
     Plan plan = plan_of(name);
     // All but the last two launches that add points.

@@ -65,7 +65,7 @@ Json study_with(const Json& keys) {
 
 }  // namespace
 
-TEST_CASE("a row costs its launches: to 20 ms or five times", "[unit]") {
+TEST_CASE("a row costs its launches: to 20 ms, three at least, five at most", "[unit]") {
   CHECK(row_seconds(1) == 1);
   CHECK(row_seconds(0.015) == Approx(0.045));
   CHECK(row_seconds(0.001) == Approx(0.005));

@@ -147,6 +147,18 @@ std::string TemporaryFolder::write(const std::string& name, const std::string& t
   return path(name);
 }
 
+EnvironmentSet::EnvironmentSet(const char* name, const std::string& value) : name_(name) {
+  if (const char* before = std::getenv(name)) before_ = before;
+  setenv(name, value.c_str(), 1);
+}
+
+EnvironmentSet::~EnvironmentSet() {
+  if (before_)
+    setenv(name_, before_->c_str(), 1);
+  else
+    unsetenv(name_);
+}
+
 std::string repository_file(const std::string& path) {
   return read_text_file(std::string(KOKSMA_SOURCE_DIR) + "/" + path);
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,40 @@ class TemporaryFolder {
 
  private:
   std::string path_;
+};
+
+// While it lives, an environment variable has this value.
+class EnvironmentSet {
+ public:
+  EnvironmentSet(const char* name, const std::string& value);
+  ~EnvironmentSet();
+  EnvironmentSet(const EnvironmentSet&) = delete;
+  EnvironmentSet& operator=(const EnvironmentSet&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+// While it lives, the cache is in this folder. The device, whose driver keeps a cache by the same
+// variable, is opened before.
+class CacheAt {
+ public:
+  explicit CacheAt(const std::string& folder) : folder_("XDG_CACHE_HOME", (device(), folder)) {}
+
+ private:
+  EnvironmentSet folder_;
+};
+
+// The same, and programs and tunings are kept there by devices that are opened meanwhile (by
+// default the tests keep none).
+class KeepingOn {
+ public:
+  explicit KeepingOn(const std::string& folder) : cache_(folder), on_("KOKSMA_KEPT", "on") {}
+
+ private:
+  CacheAt cache_;
+  EnvironmentSet on_;
 };
 
 // The text of a file of the repository.

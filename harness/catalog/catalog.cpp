@@ -15,6 +15,8 @@ namespace koksma {
 namespace {
 
 constexpr std::string_view kClassesPath = "integrands/classes.json";
+constexpr std::string_view kEstimatorsPath = "harness/catalog/estimators.json";
+constexpr std::string_view kIntegrandSchema = "harness/catalog/integrand.schema.json";
 
 bool is_json_in(std::string_view path, std::string_view folder) {
   return path.starts_with(folder) && path.ends_with(".json") &&
@@ -26,16 +28,14 @@ SourceFile embedded_code_beside(std::string_view json_path) {
   return {path, std::string(embedded_text(path))};
 }
 
-Json checked_entry(std::string_view path, std::string_view text, std::string_view schema) {
-  Json entry = parse_json(text, path);
-  check_schema(entry, schema, path);
-  return entry;
-}
+// Embedded entries are what they were when the tests checked them against entry_schema(): reading
+// the schemas again would be most of a command's start-up.
+Json embedded_entry(std::string_view path) { return parse_json(embedded_text(path), path); }
 
 void read_kernels(Catalog& catalog, const EmbeddedFile& file) {
   const std::string_view path = file.path;
   if (is_json_in(path, "kernels/points/")) {
-    const Json entry = checked_entry(path, file.text, "harness/catalog/points.schema.json");
+    const Json entry = embedded_entry(path);
     Family family{
         entry["family"], entry["title"], entry["citation"], embedded_code_beside(path), {}, {}};
     const auto read_pieces = [&](const char* key, const char* folder) {
@@ -52,15 +52,15 @@ void read_kernels(Catalog& catalog, const EmbeddedFile& file) {
     for (const Json& sampler : entry["samplers"])
       catalog.samplers.push_back(read_sampler(sampler, entry["family"]));
   } else if (is_json_in(path, "kernels/sums/")) {
-    const Json entry = checked_entry(path, file.text, "harness/catalog/sum.schema.json");
+    const Json entry = embedded_entry(path);
     catalog.sums.push_back(read_sum(entry, embedded_code_beside(path)));
   } else if (is_json_in(path, "kernels/solvers/")) {
-    const Json entry = checked_entry(path, file.text, "harness/catalog/solver.schema.json");
+    const Json entry = embedded_entry(path);
     catalog.solvers.push_back(read_solver(entry, embedded_code_beside(path)));
   } else if (path.starts_with("kernels/solvers/parts/")) {
     catalog.solver_parts.push_back({std::string(path), std::string(file.text)});
   } else if (is_json_in(path, "kernels/transforms/") || is_json_in(path, "kernels/filters/")) {
-    const Json entry = checked_entry(path, file.text, "harness/catalog/transform.schema.json");
+    const Json entry = embedded_entry(path);
     auto& list = path.starts_with("kernels/filters/") ? catalog.filters : catalog.transforms;
     list.push_back({entry["name"], entry["title"], entry["citation"], embedded_code_beside(path)});
   }
@@ -94,9 +94,8 @@ void check_solvers(const Catalog& catalog, const Choice& choice, std::string_vie
       throw unknown_name(fmt::format("{}, at '/choices'", path), "solver", name, known);
 }
 
-void add_integrand(Catalog& catalog, const Json& classes, std::string_view path,
-                   std::string_view text, SourceFile code) {
-  const Json entry = checked_entry(path, text, "harness/catalog/integrand.schema.json");
+void add_integrand(Catalog& catalog, const Json& classes, std::string_view path, const Json& entry,
+                   SourceFile code) {
   Integrand integrand = read_integrand(entry, classes, path, std::move(code));
   for (const std::string& name : integrand.transforms) {
     std::vector<std::string> known;
@@ -151,27 +150,37 @@ auto& find_named(const Entries& entries, std::string_view kind, std::string_view
 
 }  // namespace
 
+std::string_view entry_schema(std::string_view path) {
+  if (path == kClassesPath) return "harness/catalog/classes.schema.json";
+  if (path == kEstimatorsPath) return "harness/catalog/estimators.schema.json";
+  if (is_json_in(path, "kernels/points/")) return "harness/catalog/points.schema.json";
+  if (is_json_in(path, "kernels/points/vectors/")) return "harness/catalog/vectors.schema.json";
+  if (is_json_in(path, "kernels/sums/")) return "harness/catalog/sum.schema.json";
+  if (is_json_in(path, "kernels/solvers/")) return "harness/catalog/solver.schema.json";
+  if (is_json_in(path, "kernels/transforms/") || is_json_in(path, "kernels/filters/"))
+    return "harness/catalog/transform.schema.json";
+  return path.starts_with("integrands/") && path.ends_with(".json") ? kIntegrandSchema : "";
+}
+
 Catalog load_catalog(const std::vector<std::string>& integrand_files) {
   Catalog catalog;
-  const Json classes = checked_entry(kClassesPath, embedded_text(kClassesPath),
-                                     "harness/catalog/classes.schema.json");
-  const Json estimators = checked_entry("harness/catalog/estimators.json",
-                                        embedded_text("harness/catalog/estimators.json"),
-                                        "harness/catalog/estimators.schema.json");
+  const Json classes = embedded_entry(kClassesPath);
+  const Json estimators = embedded_entry(kEstimatorsPath);
   for (const Json& entry : estimators["estimators"])
     catalog.estimators.push_back(read_estimator(entry));
   for (const EmbeddedFile& file : embedded_files()) read_kernels(catalog, file);
   for (const EmbeddedFile& file : embedded_files()) {
-    if (file.path.starts_with("integrands/") && file.path.ends_with(".json") &&
-        file.path != kClassesPath)
-      add_integrand(catalog, classes, file.path, file.text, embedded_code_beside(file.path));
+    if (entry_schema(file.path) == kIntegrandSchema)
+      add_integrand(catalog, classes, file.path, embedded_entry(file.path),
+                    embedded_code_beside(file.path));
   }
   for (const std::string& path : integrand_files) {
     if (!path.ends_with(".json"))
       throw InputError(fmt::format("--integrand {}", path), "the name does not end in .json",
                        "give the entry, F.json; its code F.cl lies beside it");
     const std::string code_path = std::filesystem::path(path).replace_extension(".cl").string();
-    const std::string entry = read_text_file(path);
+    const Json entry = parse_json(read_text_file(path), path);
+    check_schema(entry, kIntegrandSchema, path);
     add_integrand(catalog, classes, path, entry, {code_path, read_text_file(code_path)});
     catalog.integrands.back().users_own = true;
     check_functions(catalog.integrands.back(), path);

@@ -236,8 +236,13 @@ struct Catalog {
   const Transform& transform(std::string_view name) const;
 };
 
-// Reads and checks the embedded entries, then the user's integrand files (F.json beside F.cl).
-// InputError for a malformed entry, an unknown class or transform, or a name that exists already.
+// The schema that the embedded file of this path follows; "" where it is no entry. A test checks
+// them all.
+std::string_view entry_schema(std::string_view path);
+
+// Reads the embedded entries, then reads and checks the user's integrand files (F.json beside
+// F.cl). InputError for a malformed entry of the user's, an unknown class or transform, or a name
+// that exists already.
 Catalog load_catalog(const std::vector<std::string>& integrand_files = {});
 
 // True when the estimator's conditions hold for the sampler (6-definitions 12).

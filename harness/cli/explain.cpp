@@ -8,7 +8,7 @@
 #include "device/exact.hpp"
 #include "device/prepare.hpp"
 #include "error/error.hpp"
-#include "plan/plan.hpp"
+#include "plan/tuning.hpp"
 
 namespace koksma {
 namespace {
@@ -48,6 +48,9 @@ void print_plan(const Plan& plan, std::size_t table_bytes, const DeviceFacts& de
       "at N = {}\n",
       device.name, plan.shape.lanes_per_item, plan.shape.local_size,
       plan.shape.log2_block.value_or(log2_block_length(plan.cell.n.back())), plan.cell.n.back());
+  fmt::print("shape       {}\n",
+             plan.shape_is_tuned ? fmt::format("tuned by koksma tune on {}", device.tuning->date)
+                                 : "the device's default");
   print_preparation(plan);
   fmt::print(
       "draws       {} coordinates per sample\npoint table {} bytes, {:.1f} per dimension and "

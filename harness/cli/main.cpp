@@ -74,6 +74,7 @@ int main(int argc, char** argv) {
   koksma::add_compare(app, action);
   koksma::add_report(app, action);
   koksma::add_quality(app, action, joined(argc, argv));
+  koksma::add_tune(app, action);
   koksma::add_stability(app, action, joined(argc, argv));
   try {
     app.parse(argc, argv);

@@ -25,6 +25,7 @@ void add_points(CLI::App& app, Action& action);
 void add_study(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
+void add_tune(CLI::App& app, Action& action);
 void add_quality(CLI::App& app, Action& action, const std::string& command_line);
 void add_stability(CLI::App& app, Action& action, const std::string& command_line);
 

@@ -9,6 +9,9 @@
 #include <optional>
 #include <utility>
 
+#include "device/cache.hpp"
+#include "device/tuning_file.hpp"
+
 namespace koksma {
 namespace {
 
@@ -72,6 +75,14 @@ DeviceFacts facts_of(const cl::Platform& platform, const cl::Device& device) {
   return f;
 }
 
+// All that a binary depends on besides the program: PoCL's platform version names its LLVM.
+std::string binary_identity(const cl::Device& device, const DeviceFacts& facts) {
+  const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+  return fmt::format("{}|{}|{}|{}|{}|{}", facts.platform,
+                     trimmed(platform.getInfo<CL_PLATFORM_VERSION>()), facts.vendor, facts.name,
+                     facts.version, facts.driver);
+}
+
 struct Candidate {
   int platform_index, device_index;
   cl::Device device;
@@ -129,7 +140,11 @@ Device::Device(cl::Device device, DeviceFacts facts)
     : device_(std::move(device)),
       facts_(std::move(facts)),
       context_(device_),
-      queue_(context_, device_, cl::QueueProperties::Profiling) {}
+      queue_(context_, device_, cl::QueueProperties::Profiling) {
+  const std::string folder = keeping_is_on() ? cache_folder() : "";
+  if (!folder.empty())
+    kept_ = KeptPrograms(fmt::format("{}/programs", folder), binary_identity(device_, facts_));
+}
 
 Device Device::choose(const std::string& selector) {
   const auto all = candidates();
@@ -147,7 +162,9 @@ Device Device::choose(const std::string& selector) {
         fmt::format("--device: '{}' matches no device; there are (P:D, name, platform):{}",
                     selector, describe(all)));
   if (chosen == all.end()) chosen = all.begin();
-  return checked([&] { return Device(chosen->device, chosen->facts); });
+  DeviceFacts facts = chosen->facts;
+  if (keeping_is_on()) facts.tuning = usable_tuning(facts);
+  return checked([&] { return Device(chosen->device, std::move(facts)); });
 }
 
 Device Device::choose_exact(const Device& preferred) {
@@ -166,6 +183,15 @@ BuiltProgram Device::build(const ProgramSource& source) {
   const std::string key = source.options + "\n" + source.text;
   if (const auto found = programs_.find(key); found != programs_.end()) return {found->second, 0};
   const auto start = std::chrono::steady_clock::now();
+  std::optional<cl::Program> kept = kept_.find(context_, device_, source);
+  const cl::Program program = kept ? *kept : build_from_source(source);
+  if (!kept) kept_.keep(program, source);
+  programs_.emplace(key, program);
+  return {program, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+          kept.has_value()};
+}
+
+cl::Program Device::build_from_source(const ProgramSource& source) {
   cl::Program program = checked([&] { return cl::Program(context_, source.text); });
   try {
     program.build(device_, source.options.c_str());
@@ -173,8 +199,7 @@ BuiltProgram Device::build(const ProgramSource& source) {
     if (error.err() != CL_BUILD_PROGRAM_FAILURE) throw DeviceError(error.what(), error.err());
     throw BuildError(source.name, program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_));
   }
-  programs_.emplace(key, program);
-  return {program, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
+  return program;
 }
 
 cl::Buffer Device::upload(const void* data, std::size_t bytes) {

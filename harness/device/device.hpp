@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "device/binaries.hpp"
 #include "plan/plan.hpp"
 
 namespace koksma {
@@ -23,13 +24,15 @@ std::vector<DeviceListing> list_devices();
 struct BuiltProgram {
   cl::Program program;
   double build_s = 0;  // 0 when it was memoised
+  bool kept = false;   // its binary was kept by an earlier run
 };
 
 class Device {
  public:
   // selector: "" (PoCL where there is one, else the first device), "P:D" (indices of `koksma list
   // devices`) or a part of the platform's or the device's name, ignoring case. NoDeviceError when
-  // there is none or nothing matches.
+  // there is none or nothing matches. Kept programs and the device's tuning are used unless
+  // KOKSMA_KEPT=off; a tuning that is not usable is told on stderr.
   static Device choose(const std::string& selector);
   // A CPU device with fp64 for exact values: this one if it is such, else the first found;
   // NoDeviceError otherwise.
@@ -39,9 +42,13 @@ class Device {
   cl::Context& context() { return context_; }
   cl::CommandQueue& queue() { return queue_; }
 
-  // Builds, or takes from the programs this object has built (by text and options). BuildError with
-  // the log.
+  // Builds, or takes from the programs this object has built (by text and options), or from those
+  // that an earlier run kept on disk (device/binaries.hpp). BuildError with the log.
   BuiltProgram build(const ProgramSource& source);
+  // How many programs this object has built or loaded.
+  std::size_t programs_built() const { return programs_.size(); }
+  // Plans for this device get the default launch shapes, whatever was tuned.
+  void forget_tuning() { facts_.tuning = nullptr; }
 
   // Point sets that preparations have computed through this object, by key (device/prepare.hpp).
   std::map<std::string, std::shared_ptr<const std::vector<double>>>& prepared() {
@@ -56,11 +63,13 @@ class Device {
 
  private:
   Device(cl::Device device, DeviceFacts facts);
+  cl::Program build_from_source(const ProgramSource& source);
 
   cl::Device device_;
   DeviceFacts facts_;
   cl::Context context_;
   cl::CommandQueue queue_;
+  KeptPrograms kept_;
   std::map<std::string, cl::Program> programs_;
   std::map<std::string, std::shared_ptr<const std::vector<double>>> prepared_;
 };

@@ -1,6 +1,7 @@
 // Runs a plan on a device: uploads once, launches per N, hands out partial sums.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -69,6 +70,10 @@ class Integrator {
   // f at the first `count` points of replicate 0, count a multiple of 16. Of a set that is not
   // extensible those of the cell's largest N that is not above count, or of its smallest N.
   std::vector<double> first_values(std::uint64_t count = 16);
+  // Whether the next launch is queued before `take` gets the sums of the last one. At first on
+  // devices other than CPUs: there a launch would share the cores with `take`, and its time with
+  // it.
+  void queue_ahead(bool ahead) { ahead_ = ahead; }
   // Uploads the table of the set of n points, where sets of different n have different ones.
   void prepare(std::uint64_t n);
   // Of the last run(), where the plan has counters.
@@ -89,10 +94,21 @@ class Integrator {
     std::uint32_t log2_block, first_replicate, replicates;
     double y0;
   };
-  double launch(cl::Kernel& kernel, const Launch& launch);
+  // A launch on its way, with the partial sums that it leaves in one of the two output buffers.
+  struct Flight {
+    Launch launch;
+    cl::Event kernel, mapped;
+    void* partials = nullptr;  // valid once `mapped` is complete, until release()
+    cl::Buffer output;
+  };
+  Flight start(cl::Kernel& kernel, const Launch& launch);
+  double land(Flight& flight);
+  void release(Flight& flight);
+  cl::Buffer& next_output(std::size_t bytes);
+  std::size_t partial_sums(const Launch& launch) const;
   bool counts(const cl::Kernel& kernel) const;
   void set_counter_arguments(cl::Kernel& kernel, cl_uint arg, const Launch& launch);
-  void read_partials(const Launch& launch, const PartialSums& take);
+  void hand_out(const Flight& flight, const PartialSums& take);
   // `count` reals of the buffer, into doubles_.
   void read_reals(const cl::Buffer& buffer, std::size_t count, bool fp64);
   void begin_counters(std::uint64_t n);
@@ -106,9 +122,17 @@ class Integrator {
   Device& device_;
   const Plan& plan_;
   cl::Kernel kernel_, counting_kernel_;
-  cl::Buffer table_, values_, coefficients_, out_, counts_, sizes_;
+  cl::Buffer table_, values_, coefficients_, counts_, sizes_;
+  // Launches alternate between two, so that one is merged while the other is written.
+  struct Output {
+    cl::Buffer buffer;
+    std::size_t bytes = 0;
+  };
+  std::array<Output, 2> outputs_;
+  std::size_t next_output_ = 0;
+  bool ahead_ = false;
   std::uint64_t table_n_ = 0;  // of sets that are not extensible: the N that table_ is for
-  std::size_t out_bytes_ = 0, counted_items_ = 0;
+  std::size_t counted_items_ = 0;
   std::vector<std::byte> raw_;
   std::vector<double> doubles_;
   double build_s_ = 0, setup_s_ = 0;

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "device/cache.hpp"
 #include "device/device.hpp"
 
 namespace koksma {
@@ -11,9 +12,6 @@ namespace koksma {
 // this order: the device object, the cache folder, the device itself. The set is the same whatever
 // the device, so the cache knows only the kernels' text and the launches with their arguments.
 std::vector<std::byte> point_table(Device& device, const Plan& plan, std::uint64_t n = 0);
-
-// $XDG_CACHE_HOME/koksma, or ~/.cache/koksma; "" where neither is known. It is safe to delete.
-std::string cache_folder();
 
 // The file that keeps the set of a preparation; "" without a cache folder. Its first line is JSON
 // (what the set is, and a checksum), the rest [point][dimension] as little-endian doubles. A file

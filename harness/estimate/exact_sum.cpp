@@ -10,6 +10,12 @@ namespace koksma {
 namespace {
 
 constexpr int kMantissaBits = 53;
+// Fewer terms are not worth the two passes.
+constexpr std::size_t kExtractFrom = 32;
+constexpr std::size_t kWays = 4;  // independent chains of additions, for the pipeline's sake
+// All powers of two of an extraction of 2^60 terms at most are normal numbers for sizes between.
+constexpr double kSmallestExtracted = 0x1p-800;
+constexpr double kLargestExtracted = 0x1p800;
 
 }  // namespace
 
@@ -21,6 +27,51 @@ void ExactSum::add_nonfinite(double term) {
   } else {
     ++minus_infinities_;
   }
+}
+
+void ExactSum::add(std::span<const double> terms) {
+  if (terms.size() >= kExtractFrom && add_extracted(terms)) return;
+  for (const double term : terms) add(term);
+}
+
+// Splits every term p into q + q' + r: q a multiple of the last bit of sigma, q' one of the last
+// bit of sigma'. With sigma a power of two above n max|p| every sum of q is exact in double, and so
+// is every sum of q' once sigma' lies as far above the largest rest, half a last bit of sigma.
+// False, and nothing is added, where a rest r is not zero (terms of very different sizes) or a
+// power leaves the range.
+bool ExactSum::add_extracted(std::span<const double> terms) {
+  const std::size_t whole = terms.size() / kWays * kWays;
+  std::array<double, kWays> largest_of{};
+  bool finite = true;
+  for (std::size_t i = 0; i < whole; i += kWays)
+    for (std::size_t way = 0; way < kWays; ++way) {
+      const double size = std::fabs(terms[i + way]);
+      finite = finite && size <= kLargestExtracted;  // not so a NaN, which a maximum would lose
+      largest_of[way] = std::max(largest_of[way], size);
+    }
+  const double largest = *std::max_element(largest_of.begin(), largest_of.end());
+  if (!finite || !(largest >= kSmallestExtracted)) return false;
+  const auto log2_terms = static_cast<int>(std::bit_width(whole + 1));
+  const double sigma = std::ldexp(1.0, log2_terms + std::ilogb(largest) + 1);
+  const double lower = std::ldexp(sigma, log2_terms - kMantissaBits);
+  std::array<double, kWays> sum{}, lower_sum{}, rest{};
+  for (std::size_t i = 0; i < whole; i += kWays)
+    for (std::size_t way = 0; way < kWays; ++way) {
+      const double term = terms[i + way];
+      const double q = (sigma + term) - sigma;
+      const double below = term - q;
+      const double lower_q = (lower + below) - lower;
+      rest[way] += std::fabs(below - lower_q);
+      sum[way] += q;
+      lower_sum[way] += lower_q;
+    }
+  if (std::any_of(rest.begin(), rest.end(), [](double r) { return r != 0; })) return false;
+  for (std::size_t way = 0; way < kWays; ++way) {
+    add(sum[way]);
+    add(lower_sum[way]);
+  }
+  for (const double term : terms.subspan(whole)) add(term);
+  return true;
 }
 
 // Brings every digit but the signed top one into [0, 2^32).

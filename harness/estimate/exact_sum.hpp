@@ -4,7 +4,9 @@
 // grouping of the terms by launch, device, process or resume gives the same bits. Method: U.
 // Kulisch, Computer Arithmetic and Validity (2013), ch. 8; the carry-save digits are those of R. M.
 // Neal, Fast exact summation using small and large superaccumulators, arXiv:1505.05571 (2015),
-// section 3.
+// section 3. Many terms at once are first split at two fixed powers of two by error-free
+// extraction: S. M. Rump, T. Ogita, S. Oishi, Accurate floating-point summation part I, SIAM J.
+// Sci. Comput. 31 (2008), algorithm 3.3 and theorem 3.4.
 #pragma once
 
 #include <array>
@@ -41,9 +43,8 @@ class ExactSum {
     if (++pending_ == kMaxPending) propagate();
   }
 
-  void add(std::span<const double> terms) {
-    for (const double term : terms) add(term);
-  }
+  // All of them exactly; of more than a few of similar size 1 to 2 ns each.
+  void add(std::span<const double> terms);
 
   // Adds term · 2^exponent exactly, also where that is not a double: a last bit of at least 2^-1138
   // and a magnitude below 2^1220. Digits of long accumulators are such terms.
@@ -90,6 +91,7 @@ class ExactSum {
   using Magnitude = std::array<std::uint32_t, kDigits>;
 
   void add_nonfinite(double term);
+  bool add_extracted(std::span<const double> terms);
   __extension__ using Wide = unsigned __int128;
   void add_shifted(Wide magnitude, int exponent, bool negative);
   void propagate();

@@ -9,41 +9,14 @@
 
 #include "error/error.hpp"
 #include "plan/compose.hpp"
+#include "plan/tuning.hpp"
 
 namespace koksma {
 namespace {
 
-constexpr std::uint64_t kPrivateBytes =
-    std::uint64_t{1} << 20;  // bound on local size x dim x sizeof(real) (3-kernels)
-
 // Pairs of samples are neighbouring lanes, so an item must hold both; vectors begin at 4.
 std::uint32_t least_lanes(const Estimator& estimator) {
   return estimator.second_moment.starts_with("pair") ? 4 : 1;
-}
-
-// A CPU runs one wide item per group; a GPU runs the narrowest items, as many per group as private
-// memory allows. Families with tables keep a state of D vectors; so do integrands that need all
-// coordinates.
-LaunchShape shape_for(const DeviceFacts& device, const Sampler& sampler, const Integrand* integrand,
-                      std::uint32_t dim, bool fp64, std::uint32_t least) {
-  const std::uint64_t kept = (find_table_builder(sampler.family) != nullptr ? 1 : 0) +
-                             (integrand != nullptr && integrand->all_coordinates ? 1 : 0);
-  const std::uint64_t lane_bytes =
-      std::max<std::uint64_t>(kept * std::uint64_t{dim} * (fp64 ? 8 : 4), 1);
-  if (least * lane_bytes > kPrivateBytes)
-    throw UnsupportedError(
-        fmt::format("d = {} with sampler '{}': a work-item would keep {} bytes, {} are safe", dim,
-                    sampler.name, least * lane_bytes, kPrivateBytes));
-  const std::uint64_t lanes = kPrivateBytes / lane_bytes;
-  if (device.is_cpu)
-    return {lanes >= 16  ? 16u
-            : lanes >= 8 ? 8u
-            : lanes >= 4 ? 4u
-                         : 1u,
-            1, std::nullopt, std::nullopt};
-  const std::uint64_t most =
-      std::min<std::uint64_t>({64, device.max_work_group_size, lanes / least});
-  return {least, static_cast<std::uint32_t>(std::bit_floor(most)), std::nullopt, std::nullopt};
 }
 
 const SumAlgorithm& choose_sum(const Catalog& catalog, const Cell& cell,
@@ -170,9 +143,12 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
                 device);
   plan.sum = &choose_sum(catalog, cell, device);
   const std::uint32_t least = least_lanes(*plan.estimator);
-  plan.shape = options.shape ? *options.shape
-                             : shape_for(device, *plan.sampler, plan.integrand, cell.scene.dim,
-                                         plan.fp64(), least);
+  const ShapeChoice choice = options.shape
+                                 ? ShapeChoice{*options.shape, false}
+                                 : choose_shape(device, {plan.sampler.get(), plan.integrand,
+                                                         cell.scene.dim, plan.precision, least});
+  plan.shape = choice.shape;
+  plan.shape_is_tuned = choice.tuned;
   plan.shape.lanes_per_item = std::max(plan.shape.lanes_per_item, least);
   plan.cell.n.clear();
   for (const std::uint64_t n : cell.n)
@@ -200,7 +176,9 @@ Plan make_points_plan(const Catalog& catalog, const std::string& sampler, std::u
   Plan plan;
   plan.sampler = std::make_shared<const Sampler>(catalog.sampler(sampler, "--sampler"));
   set_precision(plan, precision, device);
-  plan.shape = shape ? *shape : shape_for(device, *plan.sampler, nullptr, dim, plan.fp64(), 1);
+  plan.shape =
+      shape ? *shape
+            : choose_shape(device, {plan.sampler.get(), nullptr, dim, plan.precision, 1}).shape;
   plan.request = {plan.sampler->options, dim,     plan.fp64(), end_index, replicates, seed,
                   directions_file,       nullptr, {}};
   if (!resolves(plan, end_index)) refuse_resolution(plan, end_index);

@@ -15,6 +15,8 @@
 
 namespace koksma {
 
+struct Tuning;  // plan/tuning.hpp
+
 // What planning must know of a device; filled by the device stage.
 struct DeviceFacts {
   std::string name, vendor, driver, platform, version;
@@ -25,6 +27,8 @@ struct DeviceFacts {
   std::uint64_t max_allocation = 0;  // bytes
   // CL_DEVICE_SINGLE_FP_CONFIG and its double twin, names without CL_FP_, joined by "|".
   std::string fp_config32, fp_config64;
+  // Launch shapes that `koksma tune` timed on it; nullptr: none, or not to be used.
+  std::shared_ptr<const Tuning> tuning;
 };
 
 // Choices that must not change results; tests vary them.
@@ -74,7 +78,8 @@ struct Plan {
   std::uint32_t coordinate_bits = 52;  // 23 also where coarse_coordinates
   LaunchShape shape;
   bool relaxed_math = false, counters = false, coarse_coordinates = false;  // as in PlanOptions
-  bool device_fp64 = true;  // for what is summed in the widest precision, whatever the cell's
+  bool device_fp64 = true;      // for what is summed in the widest precision, whatever the cell's
+  bool shape_is_tuned = false;  // from DeviceFacts::tuning; else the device's default, or given
   ProgramSource program;
   PointRequest request;
   std::optional<PlannedPreparation> preparation;  // to run before the point table is built

@@ -5,9 +5,11 @@
 // --benchmark_filter=REGEX selects.
 // prepare times point sets that the device builds; counters/<scene>/<sampler> the cells of the
 // default study with counters beside those without, counters/default-study all of them.
+// launch_overhead/…, first_row and default_study: what a run costs besides its kernels
+// (launch_cost.hpp).
 //
-// The exit status is 1 when a row fails, a row's `ratio` is below its `required`, its `slower`
-// above its `allowed`, or its `growth_mb` not below its `limit_mb`.
+// The exit status is 1 when a row fails, a row's `ratio` is below its `required`, its `slower` or
+// `overhead` above its `allowed`, or its `growth_mb` not below its `limit_mb`.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -25,6 +27,7 @@
 #include "counters_cost.hpp"
 #include "device/prepare.hpp"
 #include "error/error.hpp"
+#include "launch_cost.hpp"
 #include "rounds.hpp"
 #include "speed_table.hpp"
 #include "subject.hpp"
@@ -288,6 +291,7 @@ void register_rows() {
                                        10.0))
         ->Iterations(1);
   register_counters_cost(missed());
+  register_launch_cost(missed());
   register_speed_table(missed());
 }
 
