@@ -3,6 +3,7 @@
 // precision, speed/<sampler> for every sampler of the catalog beside plain Sobol', points_npy,
 // memory_flat.
 // --benchmark_filter=REGEX selects.
+// planned_vs_general/<scene>/<sampler> compares planned kernels with general ones.
 // prepare times point sets that the device builds; counters/<scene>/<sampler> the cells of the
 // default study with counters beside those without, counters/default-study all of them.
 //
@@ -25,6 +26,7 @@
 #include "counters_cost.hpp"
 #include "device/prepare.hpp"
 #include "error/error.hpp"
+#include "general.hpp"
 #include "rounds.hpp"
 #include "speed_table.hpp"
 #include "subject.hpp"
@@ -288,6 +290,7 @@ void register_rows() {
                                        10.0))
         ->Iterations(1);
   register_counters_cost(missed());
+  register_planned_vs_general(missed());
   register_speed_table(missed());
 }
 
