@@ -128,8 +128,8 @@ PointTable build_digital(const PointRequest& request) {
   if (nested) append_keys(words, net);
 
   const std::uint64_t d = net.dim;
-  const std::uint64_t header[kHeader] = {
-      linear ? matrix_size : 0, d, kHeader, kHeader + (columns - 4) * d, starts, keys, 0, 0};
+  const std::uint64_t header[kHeader] = {linear ? matrix_size : 0,    d,      0,    kHeader,
+                                         kHeader + (columns - 4) * d, starts, keys, 0};
   std::copy(std::begin(header), std::end(header), words.begin());
   return table;
 }
