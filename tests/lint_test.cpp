@@ -223,8 +223,8 @@ TEST_CASE(
 TEST_CASE("kernel pieces write no raw literals, no ?:, any, all or ~, and no precision or width",
           "[unit]") {
   std::size_t pieces = 0;
-  for (const fs::path& file : files_under({"kernels/points", "kernels/solvers", "kernels/sums",
-                                           "kernels/transforms", "integrands"},
+  for (const fs::path& file : files_under({"kernels/general", "kernels/points", "kernels/solvers",
+                                           "kernels/sums", "kernels/transforms", "integrands"},
                                           {".cl"})) {
     ++pieces;
     INFO(file.string());

@@ -5,6 +5,8 @@
 #include <cctype>
 
 #include "catalog/embedded.hpp"
+#include "plan/general.hpp"
+#include "plan/prune.hpp"
 
 namespace koksma {
 namespace {
@@ -29,14 +31,16 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   define("KOKSMA_LANES_PER_ITEM", plan.shape.lanes_per_item);
   define("KOKSMA_FP64", plan.fp64() ? 1 : 0);
   define("KOKSMA_DIM", plan.request.dim);
-  define("KOKSMA_UNROLLED", plan.request.dim <= kMostUnrolledDim ? 1 : 0);
+  const bool general = kind == ProgramKind::general;
+  define("KOKSMA_UNROLLED", plan.request.dim <= kMostUnrolledDim && !general ? 1 : 0);
   // A rotated set's own points are exact; the rotation centres them.
   if (plan.coarse_coordinates) define("KOKSMA_COARSE", 1);
-  define("KOKSMA_CENTRED", plan.sampler->centred && !plan.sampler->rotated ? 1 : 0);
+  if (!general) define("KOKSMA_CENTRED", plan.sampler->centred && !plan.sampler->rotated ? 1 : 0);
   if (plan.sampler->rotated) define("KOKSMA_ROTATED", 1);
   define("KOKSMA_LOCAL_SIZE", plan.shape.local_size);
+  if (general) return text + general_defines(plan);
   for (const auto& [name, value] : plan.sampler->defines) define(name, value);
-  if (kind == ProgramKind::integrate) {
+  if (kind == ProgramKind::integrate || kind == ProgramKind::count) {
     define("KOKSMA_MOMENTS", plan.estimator->moments);
     if (plan.estimator->moments == 2)
       define("KOKSMA_SQUARES_OF", plan.estimator->second_moment == "values"       ? 0
@@ -113,25 +117,49 @@ void append_integrand(std::string& text, const Catalog& catalog, const Integrand
   append_piece(text, f.code);
 }
 
-ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind) {
-  const bool integrates = kind == ProgramKind::integrate;
+std::string counting_types() {
+  std::string text;
+  append_embedded(text, "kernels/counting/operations.cl");
+  return text;
+}
+
+ProgramSource compose_whole(const Catalog& catalog, const Plan& plan, ProgramKind kind) {
+  const bool general = kind == ProgramKind::general;
+  const bool counts = kind == ProgramKind::count;
+  const bool integrates = kind == ProgramKind::integrate || general || counts;
   std::string text = defines_source(plan, kind);
   append_embedded(text, "kernels/prelude.cl");
   if (integrates) append_piece(text, plan.sum->code);
   const Family& family = catalog.family(plan.sampler->family);
   for (const SourceFile& part : family.parts) append_piece(text, part);
-  append_piece(text, family.code);
+  if (general) append_embedded(text, "kernels/general/switches.cl");
+  if (general)
+    append_embedded(text, general_kernel(plan).c_str());
+  else
+    append_piece(text, family.code);
   if (plan.sampler->rotated) append_embedded(text, "kernels/rotate.cl");
+  if (counts) append_embedded(text, "kernels/counting/points.cl");
   if (integrates && plan.counters) append_embedded(text, "kernels/counters.cl");
   if (kind != ProgramKind::inspect) {
     for (const std::string& name : plan.integrand->transforms)
       append_piece(text, catalog.transform(name).code);
     append_integrand(text, catalog, *plan.integrand, plan.cell.scene);
   }
-  append_embedded(text, integrates ? "kernels/integrate.cl" : "kernels/inspect.cl");
+  append_embedded(text, general      ? "kernels/general/integrate.cl"
+                        : counts     ? "kernels/counting/count.cl"
+                        : integrates ? "kernels/integrate.cl"
+                                     : "kernels/inspect.cl");
   const std::string scene = plan.integrand == nullptr ? "points" : plan.integrand->name;
-  return {fmt::format("the kernel of {} with {}", scene, plan.sampler->name), std::move(text),
+  return {fmt::format("the {}kernel of {} with {}", general ? "general " : "", scene,
+                      plan.sampler->name),
+          std::move(text),
           plan.relaxed_math ? fmt::format("{} {}", kOptions, kRelaxedMathOption) : kOptions};
+}
+
+ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind) {
+  ProgramSource source = compose_whole(catalog, plan, kind);
+  source.text = pruned(source.text).text;
+  return source;
 }
 
 ProgramSource compose_preparation(const Family& family, const std::string& piece,

@@ -5,7 +5,7 @@
 
 namespace koksma {
 
-enum class ProgramKind { integrate, inspect, inspect_scene };
+enum class ProgramKind { integrate, inspect, inspect_scene, general, count };
 
 // The integrand with everything that belongs to it: what its scene chose, parameters, solver,
 // parts, its own code.
@@ -18,6 +18,13 @@ std::string choices_source(const Integrand& f, const Scene& scene);
 // struct params of this number type and its loader, from the entry's parameters.
 std::string params_source(const Integrand& f, const char* type);
 
+// The piece that comes before a program whose operations are counted (plan/instrument.hpp).
+std::string counting_types();
+
+// The pieces as they are written for every plan.
+ProgramSource compose_whole(const Catalog& catalog, const Plan& plan, ProgramKind kind);
+
+// Without what this plan can not reach (prune.hpp).
 ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind);
 
 // The kernels of kernels/points/prepare/<piece>.cl, after the family's parts. The local size is

@@ -10,6 +10,7 @@
 #include "error/error.hpp"
 #include "plan/compose.hpp"
 #include "plan/tuning.hpp"
+#include "plan/prune.hpp"
 
 namespace koksma {
 namespace {
@@ -63,15 +64,42 @@ bool resolves(const Plan& plan, std::uint64_t n) {
                   plan.sampler->name, plan.coordinate_bits, precision_name(plan.precision), n));
 }
 
-void note_what_is_left_out(Plan& plan) {
+// The code that the pieces hold and this plan does not reach, by piece.
+void note_dropped_code(Plan& plan, const PrunedText& text) {
+  if (text.bytes_of_branches > 0)
+    plan.left_out.push_back(
+        {"branches of other plans",
+         fmt::format("{} bytes of the pieces' text are for other samplers, precisions, lanes or "
+                     "estimators",
+                     text.bytes_of_branches)});
+  for (std::size_t i = 0; i < text.dropped.size();) {
+    const std::string& path = text.dropped[i].path;
+    std::size_t bytes = 0;
+    std::string names;
+    for (; i < text.dropped.size() && text.dropped[i].path == path; ++i) {
+      bytes += text.dropped[i].bytes;
+      const std::string& name = text.dropped[i].name;
+      if (!name.empty()) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+    }
+    plan.left_out.push_back(
+        {names.empty() ? path : fmt::format("{} of {}", names, path),
+         fmt::format("nothing that is kept calls {}, {} bytes of text",
+                     names.find(',') == std::string::npos ? "it" : "them", bytes)});
+  }
+}
+
+void note_what_is_left_out(Plan& plan, const PrunedText& text) {
   const auto note = [&](std::string what, std::string why) {
     plan.left_out.push_back({std::move(what), std::move(why)});
   };
   note("the other samplers and integrands", "one program per cell");
   if (plan.estimator->moments == 1)
-    note("second moment",
-         fmt::format("estimator '{}' takes its error from {}", plan.estimator->name,
-                     plan.estimator->replicated ? "the replicates" : "nothing"));
+    note(
+        "second moment",
+        fmt::format("estimator '{}' takes its error from {}; it would double what a block stores, "
+                    "{} bytes",
+                    plan.estimator->name, plan.estimator->replicated ? "the replicates" : "nothing",
+                    plan.words() * 16 * (plan.stores_doubles() ? 8 : 4)));
   if (!plan.counters)
     note("counters of exceptional samples",
          "a partial sum tells of a NaN or an infinity for free; only then a kernel that counts is "
@@ -87,6 +115,7 @@ void note_what_is_left_out(Plan& plan) {
   if (!plan.cell.scene.dim || plan.sampler->max_dim > plan.cell.scene.dim)
     note("dimensions",
          fmt::format("{} of {} are drawn", plan.cell.scene.dim, plan.sampler->max_dim));
+  note_dropped_code(plan, text);
 }
 
 // For kernels/rotate.cl: [0] where the points' own table begins; then, per replicate and dimension,
@@ -164,8 +193,10 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
                   nullptr,
                   {}};
   plan_preparation(catalog, plan, device);
-  plan.program = compose(catalog, plan, ProgramKind::integrate);
-  note_what_is_left_out(plan);
+  plan.program = compose_whole(catalog, plan, ProgramKind::integrate);
+  const PrunedText kept = pruned(plan.program.text);
+  plan.program.text = kept.text;
+  note_what_is_left_out(plan, kept);
   return plan;
 }
 

@@ -58,13 +58,14 @@ GeneratingMatrices scrambled(const GeneratingMatrices& plain, std::uint64_t seed
   return result;
 }
 
-// Appends columns [c][D], steps [c - 4][D] and lanes [D][16] of one matrix set.
+// Appends steps [c - 4][D] and lanes [D][16] of one matrix set: column c ^ column 3 and the points
+// of the first 16 indices. Seeking takes the same steps: the index of a block's first sample has an
+// even number of Gray digits above the third, so column 3 cancels.
 void append_matrices(std::vector<std::uint64_t>& words, const GeneratingMatrices& m,
                      const WordForm& form) {
   const auto column = [&](std::uint32_t k, std::uint32_t d) {
     return m.words[std::size_t{k} * m.dim + d];
   };
-  for (const std::uint64_t word : m.words) words.push_back(form(word));
   for (std::uint32_t k = 4; k < m.columns; ++k)
     for (std::uint32_t d = 0; d < m.dim; ++d) words.push_back(form(column(k, d) ^ column(3, d)));
   for (std::uint32_t d = 0; d < m.dim; ++d) {
@@ -127,9 +128,8 @@ PointTable build_digital(const PointRequest& request) {
   if (nested) append_keys(words, net);
 
   const std::uint64_t d = net.dim;
-  const std::uint64_t header[kHeader] = {
-      linear ? matrix_size : 0,        d,      kHeader, kHeader + columns * d,
-      kHeader + (2 * columns - 4) * d, starts, keys,    0};
+  const std::uint64_t header[kHeader] = {linear ? matrix_size : 0,    d,      0,    kHeader,
+                                         kHeader + (columns - 4) * d, starts, keys, 0};
   std::copy(std::begin(header), std::end(header), words.begin());
   return table;
 }

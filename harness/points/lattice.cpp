@@ -73,14 +73,15 @@ struct Sections {
   std::uint64_t steps = 0, lanes = 0;
 };
 
-// Appends columns [c][D], steps [c - 4][comes][D] (in few dimensions [16] lanes of each) and lanes
-// [j_0][D][16] of one generating vector.
+// Appends steps [c - 4][comes][D] (in few dimensions [16] lanes of each, and columns [c - 4][D]
+// before them; in many the steps that come are the columns) and lanes [j_0][D][16] of one
+// generating vector.
 Sections append_vector(std::vector<std::uint64_t>& words, const std::vector<std::uint64_t>& z,
                        std::uint32_t columns, const WordForm& form) {
   Sections sections;
   const bool wide = z.size() <= kMostUnrolledDim;
   const auto push = [&](std::uint64_t fraction) { words.push_back(form(fraction)); };
-  for (std::uint32_t k = 0; k < columns; ++k)
+  for (std::uint32_t k = 4; wide && k < columns; ++k)
     for (const std::uint64_t component : z) push(contribution(component, k));
   sections.steps = words.size();
   for (std::uint32_t c = 0; c + 4 < columns; ++c)

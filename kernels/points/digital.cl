@@ -6,9 +6,9 @@
 // KOKSMA_DIGITAL_INTERLACE a > 1: a coordinate interlaces the digits of a scrambled components (Dick 2011): digit
 // k of component i becomes digit a (k - 1) + i. The net has D = a d dimensions then, those of coordinate j from a j on.
 // Table (words; c columns, s = c - 4 steps, D dimensions):
-//   [0] matrix_stride  [1] start_stride  [2] columns offset  [3] steps offset  [4] lanes offset
+//   [0] matrix_stride  [1] start_stride  [2] unused  [3] steps offset  [4] lanes offset
 //   [5] starts offset  [6] keys offset  [7] unused
-//   columns [c][D], steps [s][D], lanes [D][16] per matrix; starts [D] (digital shift and the pattern of 1.0)
+//   steps [s][D], lanes [D][16] per matrix; starts [D] (digital shift and the pattern of 1.0)
 //   and keys [D][2] (nested scrambling) per replicate. A stride of 0 shares the one matrix between replicates.
 #define KOKSMA_DIGITAL_DIM (KOKSMA_DIM * KOKSMA_DIGITAL_INTERLACE)
 
@@ -26,7 +26,6 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
                                uint lane) {
   const ulong matrix = (ulong)replicate * table[0];
   const ulong start = (ulong)replicate * table[1];
-  __global const word *columns = table + table[2] + matrix;
   __global const word *lanes = table + table[4] + matrix + lane;
   __global const word *starts = table + table[5] + start;
   p->steps = table + table[3] + matrix;
@@ -37,13 +36,14 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
   p->dim = 0;
   KOKSMA_UNROLL
   for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] = load_lanes(lanes + d * KOKSMA_LANES) ^ starts[d];
-  // first is a multiple of 16: the bits of gray(first) below the third belong to the lanes.
+  // first is a multiple of 16: the bits of gray(first) below the third belong to the lanes, and from the third on an
+  // even number is set, so that of columns k and 3 together the latter cancels.
   const ulong gray = first ^ first >> 1;
-  for (uint k = 3; gray >> k != 0; ++k) {
+  for (uint k = 4; gray >> k != 0; ++k) {
     if ((gray >> k & 1) == 0) continue;
-    __global const word *column = columns + k * KOKSMA_DIGITAL_DIM;
+    __global const word *step = p->steps + (k - 4) * KOKSMA_DIGITAL_DIM;
     KOKSMA_UNROLL
-    for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] ^= column[d];
+    for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] ^= step[d];
   }
 }
 

@@ -13,8 +13,8 @@
 // complement of k; so the coordinates keep all m bits, and none of it rounds.
 // Table (words; c columns, D dimensions):
 //   [0] start_stride  [1] columns offset  [2] steps offset  [3] lanes offset  [4] starts offset  [5] vector_stride
-//   columns [c][D]; steps [c - 4][comes][D], with [16] lanes where KOKSMA_UNROLLED; lanes [j_0][D][16] per vector;
-//   starts [D] per replicate (the shift). A vector_stride of 0 shares the one generating vector between replicates.
+//   columns [c - 4][D] where KOKSMA_UNROLLED; steps [c - 4][comes][D], there with [16] lanes; lanes [j_0][D][16] per
+//   vector; starts [D] per replicate (the shift). A vector_stride of 0 shares the one generating vector between replicates.
 #if KOKSMA_UNROLLED
 typedef bits lattice_part;
 #define KOKSMA_LATTICE_STEP KOKSMA_LANES
@@ -36,25 +36,28 @@ typedef struct {
 static inline void points_seek(points *p, __global const word *table, ulong first, ulong n, ulong seed, uint replicate,
                                uint lane) {
   const ulong vector = (ulong)replicate * table[5];
-  __global const word *columns = table + table[1] + vector;
   __global const word *lanes = table + table[3] + vector + lane;
   __global const word *starts = table + table[4] + (ulong)replicate * table[0];
   p->steps = table + table[2] + vector;
   p->j = (uint)(first >> 4);
   p->dim = 0;
 #if KOKSMA_UNROLLED
+  __global const word *columns = table + table[1] + vector;
+  const uint stride = KOKSMA_DIM;
   p->steps += lane;
   lanes += (p->j & 1) * KOKSMA_DIM * KOKSMA_LANES;
   KOKSMA_UNROLL
   for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] = load_lanes(lanes + d * KOKSMA_LANES) + starts[d];
 #else
+  __global const word *columns = p->steps + KOKSMA_DIM;  // the steps of bits that come
+  const uint stride = 2 * KOKSMA_DIM;
   p->lanes = lanes;
   for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] = starts[d];
 #endif
   const ulong gray = first ^ first >> 1;
   for (uint k = 4; gray >> k != 0; ++k) {
     if ((gray >> k & 1) == 0) continue;
-    __global const word *column = columns + k * KOKSMA_DIM;
+    __global const word *column = columns + (k - 4) * stride;
     KOKSMA_UNROLL
     for (uint d = 0; d < KOKSMA_DIM; ++d) p->state[d] += column[d];
   }

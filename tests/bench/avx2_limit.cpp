@@ -106,8 +106,9 @@ struct Digital {
       states.at[d] = _mm256_loadu_si256(reinterpret_cast<const Bits*>(lanes + d * kLanes));
     flip(states, table + table[5] + replicate * table[1]);
     const std::uint64_t gray = first ^ first >> 1;
-    for (std::uint32_t k = 3; gray >> k != 0; ++k)
-      if ((gray >> k & 1) != 0) flip(states, section(2, replicate) + k * kLimitDim);
+    for (std::uint32_t k = 4; gray >> k != 0; ++k)
+      if ((gray >> k & 1) != 0)
+        flip(states, section(3, replicate) + static_cast<std::size_t>(k - 4) * kLimitDim);
     return states;
   }
 

@@ -3,6 +3,7 @@
 // precision, speed/<sampler> for every sampler of the catalog beside plain Sobol', points_npy,
 // memory_flat.
 // --benchmark_filter=REGEX selects.
+// planned_vs_general/<scene>/<sampler> compares planned kernels with general ones.
 // prepare times point sets that the device builds; counters/<scene>/<sampler> the cells of the
 // default study with counters beside those without, counters/default-study all of them.
 // launch_overhead/…, first_row and default_study: what a run costs besides its kernels
@@ -27,6 +28,7 @@
 #include "counters_cost.hpp"
 #include "device/prepare.hpp"
 #include "error/error.hpp"
+#include "general.hpp"
 #include "launch_cost.hpp"
 #include "rounds.hpp"
 #include "speed_table.hpp"
@@ -292,6 +294,7 @@ void register_rows() {
         ->Iterations(1);
   register_counters_cost(missed());
   register_launch_cost(missed());
+  register_planned_vs_general(missed());
   register_speed_table(missed());
 }
 

@@ -1,26 +1,10 @@
 // The fastest of many rounds of one subject.
 #pragma once
 
-#include <algorithm>
-#include <vector>
+#include "device/fastest.hpp"
 
 namespace koksma::bench {
 
-class Fastest {
- public:
-  void add(double seconds) {
-    seconds_.push_back(seconds);
-    std::sort(seconds_.begin(), seconds_.end());
-    seconds_.resize(std::min<std::size_t>(seconds_.size(), 3));
-  }
-  double best() const { return seconds_.front(); }
-  // Three rounds within 2 %: not one lucky reading, and not a machine that was busy throughout.
-  bool settled() const {
-    return seconds_.size() == 3 && seconds_.back() <= 1.02 * seconds_.front();
-  }
-
- private:
-  std::vector<double> seconds_;
-};
+using koksma::Fastest;
 
 }  // namespace koksma::bench
