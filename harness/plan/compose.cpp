@@ -34,6 +34,7 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   if (plan.coarse_coordinates) define("KOKSMA_COARSE", 1);
   define("KOKSMA_CENTRED", plan.sampler->centred && !plan.sampler->rotated ? 1 : 0);
   if (plan.sampler->rotated) define("KOKSMA_ROTATED", 1);
+  if (plan.request.centred_draws) define("KOKSMA_CENTRED_DRAWS", 1);
   define("KOKSMA_LOCAL_SIZE", plan.shape.local_size);
   for (const auto& [name, value] : plan.sampler->defines) define(name, value);
   if (kind == ProgramKind::integrate) {
@@ -123,6 +124,7 @@ ProgramSource compose(const Catalog& catalog, const Plan& plan, ProgramKind kind
   append_piece(text, family.code);
   if (plan.sampler->rotated) append_embedded(text, "kernels/rotate.cl");
   if (integrates && plan.counters) append_embedded(text, "kernels/counters.cl");
+  append_embedded(text, "kernels/centred.cl");
   if (kind != ProgramKind::inspect) {
     for (const std::string& name : plan.integrand->transforms)
       append_piece(text, catalog.transform(name).code);

@@ -149,6 +149,11 @@ void plan_preparation(const Catalog& catalog, Plan& plan, const DeviceFacts& dev
   plan.preparation = {std::move(*work), std::move(program), local_size};
 }
 
+// Whether the kernel's text names the slot: no entry has to say it, or can be wrong about it.
+bool draws_centred(const Integrand& f) {
+  return source_text(f).find("points_next_centred") != std::string::npos;
+}
+
 }  // namespace
 
 std::uint32_t log2_block_length(std::uint64_t n) {
@@ -187,6 +192,7 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
                   directions_file,
                   nullptr,
                   {}};
+  plan.request.centred_draws = !plan.sampler->rotated && draws_centred(*plan.integrand);
   plan_preparation(catalog, plan, device);
   plan.program = compose(catalog, plan, ProgramKind::integrate);
   note_what_is_left_out(plan);

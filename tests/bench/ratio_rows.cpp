@@ -57,17 +57,18 @@ struct Row {
   const char* limit_scene = nullptr;  // of another dimension: compared per coordinate
 };
 
-constexpr const char* kProduct = "linear-prod:d=8";
+// The same product drawn from either slot: as it stands in the catalog, from the centred one.
+constexpr const char *kPlain = "plain-prod:d=8", *kProduct = "linear-prod:d=8";
 constexpr Row kRows[] = {
-    {"sobol/fp32/d:8/same", kProduct, "sobol-shift", Precision::fp32, kDigital, 0.95, 2e-8},
+    {"sobol/fp32/d:8/same", kPlain, "sobol-shift", Precision::fp32, kDigital, 0.95, 2e-8},
     {"sobol/fp32/d:8/folded", kProduct, "sobol-shift", Precision::fp32, kFolded, 0.8, 5e-7},
-    {"sobol/fp32/d:128", "linear-prod:d=128", "sobol-shift", Precision::fp32, kDigital, 0.7, 2e-8,
-     kProduct},
-    {"sobol/fp32/d:1024", "linear-prod:d=1024", "sobol-shift", Precision::fp32, kDigital, 0.6, 2e-8,
-     kProduct},
-    {"sobol/fp64/d:8", kProduct, "sobol-shift", Precision::fp64, kDigital, 0.95, 1e-14},
-    {"random/fp32/d:8", kProduct, "random", Precision::fp32, kRandom, 0.8, 2e-8},
-    {"lattice-shift/fp32/d:8", kProduct, "lattice-shift", Precision::fp32, kLattice, 0.85, 2e-8},
+    {"sobol/fp32/d:128", "plain-prod:d=128", "sobol-shift", Precision::fp32, kDigital, 0.7, 2e-8,
+     kPlain},
+    {"sobol/fp32/d:1024", "plain-prod:d=1024", "sobol-shift", Precision::fp32, kDigital, 0.6, 2e-8,
+     kPlain},
+    {"sobol/fp64/d:8", kPlain, "sobol-shift", Precision::fp64, kDigital, 0.95, 1e-14},
+    {"random/fp32/d:8", kPlain, "random", Precision::fp32, kRandom, 0.8, 2e-8},
+    {"lattice-shift/fp32/d:8", kPlain, "lattice-shift", Precision::fp32, kLattice, 0.85, 2e-8},
     {"exp/fp32/d:8", "exp-sum:d=8", "sobol-shift", Precision::fp32, kExp, 0.9, 1e-7},
     {"cos/fp32/d:8", "genz-oscillatory:d=8", "sobol-shift", Precision::fp32, kCos, 0.9, 1e-6},
     {"cospi/fp32/d:8", "genz-oscillatory:d=8", "sobol-shift", Precision::fp32, kCospi, 0.9, 1e-6},
@@ -91,10 +92,16 @@ SubjectSpec spec_of(const Row& row, const char* scene) {
   return {scene, row.sampler, row.precision, n, kReplicates};
 }
 
+// The limits' states are mantissas, whatever form the kernel prefers.
+std::vector<std::byte> mantissa_table(Plan plan) {
+  plan.request.centred_draws = false;
+  return build_point_table(plan);
+}
+
 // A kernel and the work of its limit.
 struct Pair {
   explicit Pair(const SubjectSpec& spec)
-      : n(spec.end), subject(spec), table(build_point_table(subject.plan())) {
+      : n(spec.end), subject(spec), table(mantissa_table(subject.plan())) {
     const Plan& plan = subject.plan();
     work = {table.data(),
             subject.coefficients(),
@@ -134,14 +141,16 @@ double processor_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// The fastest rounds of one side, by the clock and in processors' time.
+// The fastest round of one side, and the processors' time of all its rounds: the clock charges a
+// thread by ticks, so single rounds tell little.
 struct Times {
-  Fastest wall, processors;
+  Fastest wall;
+  double processors = 0;
   template <typename Run>
   void add(const Run& run) {
     const double before = processor_seconds();
     wall.add(run());
-    processors.add(processor_seconds() - before);
+    processors += processor_seconds() - before;
   }
 };
 
@@ -170,8 +179,8 @@ void measure(State& state, const Row& row, std::vector<std::string>& missed) {
                ratio = kernel_speed / limit_speed;
   state.counters["ratio"] = ratio;
   state.counters["required"] = row.required;
-  state.counters["processor_ratio"] = pair.coordinates() / kernel_s.processors.best() /
-                                      (limit.coordinates() / limit_s.processors.best());
+  state.counters["processor_ratio"] =
+      pair.coordinates() / kernel_s.processors / (limit.coordinates() / limit_s.processors);
   state.counters["kernel/s"] = kernel_speed;
   state.counters["limit/s"] = limit_speed;
   state.counters["rounds"] = static_cast<double>(rounds);
