@@ -134,6 +134,9 @@ static inline real unit_from_word(bits w) {
   return unit_from_mantissa(w >> (word)shift | (word)KOKSMA_ONE_PATTERN);
 }
 
+// A family may offer centred coordinates of its own (kernels/README.md); where its slots are wrapped they are not met.
+#define KOKSMA_OWN_CENTRED (!KOKSMA_ROTATED && !KOKSMA_COUNTERS)
+
 #if KOKSMA_ROTATED
 // The family that follows is wrapped by rotate.cl.
 #define points unrotated_points

@@ -13,6 +13,8 @@ packages=(
   # libraries of the host program and its tests
   nlohmann-json3-dev libcli11-dev libfmt-dev libvalijson-dev libboost-dev librandom123-dev libstb-dev
   catch2 libbenchmark-dev
+  # vector functions, for the benchmark's limits of exp and cos
+  libsleef-dev
 )
 lint_packages=(clang clang-tidy clang-format libclang-rt-14-dev)
 

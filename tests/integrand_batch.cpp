@@ -53,6 +53,7 @@ ProgramSource batch_program(const std::vector<BatchItem>& items, bool fp64, std:
       "#define KOKSMA_UNROLLED {}\n#define KOKSMA_CENTRED 1\n{}\n{}",
       lanes, fp64 ? 1 : 0, dim, dim <= kMostUnrolledDim ? 1 : 0,
       embedded_text("kernels/prelude.cl"), kGivenPoints);
+  text += embedded_text("kernels/centred.cl");
   std::set<std::string> transforms;
   std::string pieces, calls;
   for (std::size_t k = 0; k < items.size(); ++k) {

@@ -22,9 +22,9 @@ std::vector<double> values_at(const Integrand& f, const Scene& scene, const Poin
       "#define KOKSMA_LANES_PER_ITEM 1\n#define KOKSMA_FP64 1\n#define KOKSMA_DIM {}\n"
       "#define KOKSMA_CENTRED 0\n{}\n"
       "typedef struct {{ __global const scalar *x; }} points;\n"
-      "static inline real points_next(points *p) {{ return *p->x++; }}\ntypedef struct {{ scalar "
-      "unused",
-      x.dim, embedded_text("kernels/prelude.cl"));
+      "static inline real points_next(points *p) {{ return *p->x++; }}\n{}\ntypedef struct {{ "
+      "scalar unused",
+      x.dim, embedded_text("kernels/prelude.cl"), embedded_text("kernels/centred.cl"));
   std::string loads;
   for (std::size_t i = 0; i < f.parameters.size(); ++i) {
     text += ", " + f.parameters[i].name;

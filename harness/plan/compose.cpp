@@ -37,6 +37,7 @@ std::string defines_source(const Plan& plan, ProgramKind kind) {
   if (plan.coarse_coordinates) define("KOKSMA_COARSE", 1);
   if (!general) define("KOKSMA_CENTRED", plan.sampler->centred && !plan.sampler->rotated ? 1 : 0);
   if (plan.sampler->rotated) define("KOKSMA_ROTATED", 1);
+  if (plan.request.centred_draws) define("KOKSMA_CENTRED_DRAWS", 1);
   define("KOKSMA_LOCAL_SIZE", plan.shape.local_size);
   if (general) return text + general_defines(plan);
   for (const auto& [name, value] : plan.sampler->defines) define(name, value);
@@ -138,8 +139,9 @@ ProgramSource compose_whole(const Catalog& catalog, const Plan& plan, ProgramKin
   else
     append_piece(text, family.code);
   if (plan.sampler->rotated) append_embedded(text, "kernels/rotate.cl");
-  if (counts) append_embedded(text, "kernels/counting/points.cl");
   if (integrates && plan.counters) append_embedded(text, "kernels/counters.cl");
+  append_embedded(text, "kernels/centred.cl");
+  if (counts) append_embedded(text, "kernels/counting/points.cl");
   if (kind != ProgramKind::inspect) {
     for (const std::string& name : plan.integrand->transforms)
       append_piece(text, catalog.transform(name).code);

@@ -101,6 +101,7 @@ GeneralPlan general_plan(const Catalog& catalog, const Plan& plan) {
   general.plan.estimator = general.estimator.get();
   general.plan.counters = false;  // a switch, not a kernel of its own
   general.plan.request.end_index = largest_set(plan);
+  general.plan.request.centred_draws = false;  // one table for whatever draws from it
   general.plan.program = compose(catalog, general.plan, ProgramKind::general);
   return general;
 }

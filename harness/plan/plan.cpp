@@ -9,8 +9,8 @@
 
 #include "error/error.hpp"
 #include "plan/compose.hpp"
-#include "plan/tuning.hpp"
 #include "plan/prune.hpp"
+#include "plan/tuning.hpp"
 
 namespace koksma {
 namespace {
@@ -151,6 +151,11 @@ void plan_preparation(const Catalog& catalog, Plan& plan, const DeviceFacts& dev
   plan.preparation = {std::move(*work), std::move(program), local_size};
 }
 
+// Whether the kernel's text names the slot: no entry has to say it, or can be wrong about it.
+bool draws_centred(const Integrand& f) {
+  return source_text(f).find("points_next_centred") != std::string::npos;
+}
+
 }  // namespace
 
 std::uint32_t log2_block_length(std::uint64_t n) {
@@ -192,6 +197,7 @@ Plan make_plan(const Catalog& catalog, const Cell& cell, const DeviceFacts& devi
                   directions_file,
                   nullptr,
                   {}};
+  plan.request.centred_draws = !plan.sampler->rotated && draws_centred(*plan.integrand);
   plan_preparation(catalog, plan, device);
   plan.program = compose_whole(catalog, plan, ProgramKind::integrate);
   const PrunedText kept = pruned(plan.program.text);

@@ -18,17 +18,23 @@ std::uint64_t reverse_bits(std::uint64_t x) {
   return result;
 }
 
-// How a 64-bit fraction is kept on the device: mantissa bits in place, or reversed for hashing.
+// How a 64-bit fraction is kept on the device: mantissa bits in place, reversed for hashing, or on
+// top of a signed word.
 struct WordForm {
   bool fp64 = true;
   bool reversed = false;
+  bool on_top = false;
 
   std::uint64_t operator()(std::uint64_t fraction) const {
     if (reversed) return fp64 ? reverse_bits(fraction) : reverse_bits(fraction) & 0xFFFFFFFFu;
+    if (on_top) return fraction >> 41 << 9;
     return fp64 ? fraction >> 12 : fraction >> 41;
   }
-  // The pattern of 1.0, which makes a mantissa a float in [1,2); hashed words get it on the device.
-  std::uint64_t one() const { return reversed ? 0 : fp64 ? 0x3FF0000000000000u : 0x3F800000u; }
+  // The pattern of 1.0, which makes a mantissa a float in [1,2); hashed words get it on the device,
+  // signed ones their centre.
+  std::uint64_t one() const {
+    return reversed || on_top ? 0 : fp64 ? 0x3FF0000000000000u : 0x3F800000u;
+  }
 };
 
 // Random linear scramble (Matousek 1998): every column becomes L c, L lower triangular with unit
@@ -113,7 +119,10 @@ PointTable build_digital(const PointRequest& request) {
   const auto needed = static_cast<std::uint32_t>(std::bit_width(request.end_index - 1));
   const std::uint32_t columns = std::clamp(needed, 4u, kMaxMatrixColumns);
   const GeneratingMatrices plain = generating_matrices(net, columns);
-  const WordForm form{request.fp64, nested};
+  // KOKSMA_DIGITAL_SIGNED of kernels/points/digital.cl.
+  const bool on_top = request.centred_draws && !request.fp64 && request.dim <= kMostUnrolledDim &&
+                      !nested && net.dim == request.dim;
+  const WordForm form{request.fp64, nested, on_top};
 
   PointTable table;
   std::vector<std::uint64_t>& words = table.words;

@@ -31,6 +31,9 @@ struct PointRequest {
   // Which dimension the k-th coordinate drawn is, a permutation that begins with 0; empty: the
   // k-th. Families whose dimensions are not alike in law obey it.
   std::vector<std::uint32_t> dimension_order;
+  // The integrand draws centred coordinates (KOKSMA_CENTRED_DRAWS): a family may prefer other
+  // words.
+  bool centred_draws = false;
 };
 
 // One value per dimension, from `first` on, in the order in which coordinates are drawn.

@@ -78,7 +78,8 @@ static double exact_variation(params q, uint d) {
 static inline real integrand(points *p, params q, coefficients c) {
   real exponent = R(0.0);
   KOKSMA_UNROLL
-  for (uint j = 0; j < KOKSMA_DIM; ++j) exponent = fma((real)c[2 * j], points_next(p) - R(0.5), exponent);
+  for (uint j = 0; j < KOKSMA_DIM; ++j)
+    exponent = fma((real)(c[2 * j] * KOKSMA_CENTRED_UNIT), points_next_centred(p), exponent);
   return c[1] * exp(exponent);
 }
 #endif

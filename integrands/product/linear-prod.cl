@@ -33,7 +33,7 @@ static double exact_variation(params q, uint d) {
 static inline real integrand(points *p, params q, coefficients c) {
   real product = R(1.0);
   KOKSMA_UNROLL
-  for (uint j = 0; j < KOKSMA_DIM; ++j) product *= R(1.0) + c[j] * (points_next(p) - R(0.5));
+  for (uint j = 0; j < KOKSMA_DIM; ++j) product *= R(1.0) + (c[j] * KOKSMA_CENTRED_UNIT) * points_next_centred(p);
   return product;
 }
 #endif

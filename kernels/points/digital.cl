@@ -10,7 +10,13 @@
 //   [5] starts offset  [6] keys offset  [7] unused
 //   steps [s][D], lanes [D][16] per matrix; starts [D] (digital shift and the pattern of 1.0)
 //   and keys [D][2] (nested scrambling) per replicate. A stride of 0 shares the one matrix between replicates.
+// KOKSMA_DIGITAL_SIGNED: "signed words" instead, for integrands that draw centred coordinates: the 23 bits of x stand
+// on top of the word, the first of them flipped, so that the word as a signed integer is (x - 1/2) 2^32 and one
+// conversion makes the centred coordinate; on centred grids bit 8 is the half unit. At most 24 bits: it never rounds.
 #define KOKSMA_DIGITAL_DIM (KOKSMA_DIM * KOKSMA_DIGITAL_INTERLACE)
+// What build_digital (harness/points/digital.cpp) decides by too.
+#define KOKSMA_DIGITAL_SIGNED \
+  (KOKSMA_CENTRED_DRAWS && !KOKSMA_FP64 && KOKSMA_UNROLLED && !KOKSMA_DIGITAL_OWEN && KOKSMA_DIGITAL_INTERLACE == 1)
 
 typedef struct {
   bits state[KOKSMA_DIGITAL_DIM];
@@ -34,8 +40,14 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
 #endif
   p->j = (uint)(first >> 4);
   p->dim = 0;
+#if KOKSMA_DIGITAL_SIGNED
+  const word centre = 0x80000000U | (word)KOKSMA_CENTRED << 8;
+#else
+  const word centre = 0;
+#endif
   KOKSMA_UNROLL
-  for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] = load_lanes(lanes + d * KOKSMA_LANES) ^ starts[d];
+  for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d)
+    p->state[d] = load_lanes(lanes + d * KOKSMA_LANES) ^ (starts[d] ^ centre);
   // first is a multiple of 16: the bits of gray(first) below the third belong to the lanes, and from the third on an
   // even number is set, so that of columns k and 3 together the latter cancels.
   const ulong gray = first ^ first >> 1;
@@ -83,6 +95,13 @@ static inline real points_next(points *p) {
 }
 #elif KOKSMA_DIGITAL_OWEN
 static inline real points_next(points *p) { return unit_from_word(reverse_bits(scrambled_component(p, p->dim++))); }
+#elif KOKSMA_DIGITAL_SIGNED
+static inline real signed_word(points *p) { return KOKSMA_TO_REAL(KOKSMA_AS_SIGNED(p->state[p->dim++])); }
+static inline real points_next(points *p) { return signed_word(p) * R(0x1.0p-32) + R(0.5); }
+#if KOKSMA_OWN_CENTRED
+#define KOKSMA_CENTRED_UNIT R(0x1.0p-32)
+static inline real points_next_centred(points *p) { return signed_word(p); }
+#endif
 #else
 static inline real points_next(points *p) { return unit_from_mantissa(p->state[p->dim++]); }
 #endif

@@ -89,6 +89,14 @@ static inline real points_next(points *p) {
 #endif
 }
 
+#if KOKSMA_OWN_CENTRED && KOKSMA_UNROLLED && !KOKSMA_FP64 && !KOKSMA_LATTICE_TENT
+// The word is (x - 1/2) 2^32, without the half unit of a centred grid.
+#define KOKSMA_CENTRED_UNIT R(0x1.0p-32)
+static inline real points_next_centred(points *p) {
+  return KOKSMA_TO_REAL(KOKSMA_AS_SIGNED(lattice_word(p) | (word)KOKSMA_CENTRED << 8));
+}
+#endif
+
 static inline void points_step(points *p) {
   const uint c = trailing_zeros(++p->j);
   const uint comes = 1 - (p->j >> c >> 1 & 1);

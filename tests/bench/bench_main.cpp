@@ -1,7 +1,6 @@
-// koksma_bench: speeds in coordinates/s by the device's own clock, the fused Sobol' kernel beside
-// its hand-written limit, and memory against N. Rows: fused_sobol, limit_sobol and ratio_sobol per
-// precision, speed/<sampler> for every sampler of the catalog beside plain Sobol', points_npy,
-// memory_flat.
+// koksma_bench: speeds in coordinates/s by the device's own clock, kernels beside hand-written
+// limits, and memory against N. Rows: ratio/<name> for every limit, speed/<sampler> for every
+// sampler of the catalog beside plain Sobol', points_npy, memory_flat.
 // --benchmark_filter=REGEX selects.
 // planned_vs_general/<scene>/<sampler> compares planned kernels with general ones.
 // prepare times point sets that the device builds; counters/<scene>/<sampler> the cells of the
@@ -24,13 +23,12 @@
 #include <filesystem>
 #include <fstream>
 
-#include "avx2_limit.hpp"
 #include "counters_cost.hpp"
 #include "device/prepare.hpp"
 #include "error/error.hpp"
 #include "general.hpp"
 #include "launch_cost.hpp"
-#include "rounds.hpp"
+#include "ratio_rows.hpp"
 #include "speed_table.hpp"
 #include "subject.hpp"
 
@@ -39,15 +37,7 @@ namespace {
 
 using State = benchmark::State;
 
-constexpr const char* kScene = "linear-prod:d=8";
 constexpr const char* kSobol = "sobol-shift";
-// 2^26 coordinates a launch: 3 to 10 ms, long beside the 60 us that a launch costs, and short
-// enough to find both processors free for all of it now and then.
-constexpr std::uint64_t kSobolN = std::uint64_t{1} << 21;
-constexpr std::uint32_t kSobolReplicates = 4;
-// Subject and limit alternate at least this often, and until both minima have been met three times,
-// as machines jitter.
-constexpr std::size_t kLeastRounds = 101, kMostRounds = 2000;
 
 // What was required and missed, for the exit status.
 std::vector<std::string>& missed() {
@@ -76,99 +66,6 @@ void count_coordinates(State& state, double coordinates_per_iteration) {
 
 double coordinates(const Plan& plan, std::uint64_t n) {
   return static_cast<double>(n) * plan.cell.replicates * plan.cell.scene.dim;
-}
-
-SubjectSpec sobol_spec(Precision precision) {
-  return {kScene, kSobol, precision, kSobolN, kSobolReplicates};
-}
-
-// The hand-written limit of a subject: the same blocks, replicates, table and coefficients.
-class SobolLimit {
- public:
-  explicit SobolLimit(const Subject& subject) : table_(build_point_table(subject.plan())) {
-    const Plan& plan = subject.plan();
-    work_ = {table_.data(),
-             subject.coefficients(),
-             kSobolN,
-             subject.log2_block(kSobolN),
-             plan.cell.replicates,
-             plan.fp64(),
-             plan.sampler->centred};
-  }
-
-  double run() { return run_digital_limit(work_, partials_); }
-
-  double mean() const {
-    double sum = 0;
-    for (const double partial : partials_) sum += partial;
-    return sum / (static_cast<double>(work_.n) * work_.replicates);
-  }
-
- private:
-  std::vector<std::byte> table_;
-  LimitWork work_;
-  std::vector<double> partials_;
-};
-
-void require_avx2() {
-  if (!has_avx2()) throw UnsupportedError("the hand-written limits need AVX2");
-}
-
-// Same points, same operations: the means may differ by rounding of the samples only.
-void require_same_mean(const Subject& subject, const SobolLimit& limit) {
-  const double bound = subject.plan().fp64() ? 1e-14 : 2e-8;
-  if (std::abs(subject.mean() - limit.mean()) <= bound * std::abs(limit.mean())) return;
-  throw std::runtime_error(fmt::format("the kernel's mean {:.17g} is not the limit's {:.17g}",
-                                       subject.mean(), limit.mean()));
-}
-
-void fused_sobol(State& state, Precision precision) {
-  guarded(state, [&] {
-    Subject subject(sobol_spec(precision));
-    for (auto _ : state) state.SetIterationTime(subject.run(kSobolN));
-    count_coordinates(state, coordinates(subject.plan(), kSobolN));
-  });
-}
-
-void limit_sobol(State& state, Precision precision) {
-  guarded(state, [&] {
-    require_avx2();
-    const Subject subject(sobol_spec(precision));
-    SobolLimit limit(subject);
-    for (auto _ : state) state.SetIterationTime(limit.run());
-    count_coordinates(state, coordinates(subject.plan(), kSobolN));
-  });
-}
-
-// One iteration holds all rounds; its time is the subject's best.
-void ratio_sobol(State& state, Precision precision, double required) {
-  guarded(state, [&] {
-    require_avx2();
-    Subject subject(sobol_spec(precision));
-    SobolLimit limit(subject);
-    Fastest subject_s, limit_s;
-    std::size_t rounds = 0;
-    for (auto _ : state) {
-      while (rounds < kLeastRounds ||
-             (rounds < kMostRounds && !(subject_s.settled() && limit_s.settled()))) {
-        subject_s.add(subject.run(kSobolN));
-        limit_s.add(limit.run());
-        ++rounds;
-      }
-      state.SetIterationTime(subject_s.best());
-    }
-    require_same_mean(subject, limit);
-    const double ratio = limit_s.best() / subject_s.best(),
-                 count = coordinates(subject.plan(), kSobolN);
-    state.counters["ratio"] = ratio;
-    state.counters["required"] = required;
-    state.counters["subject/s"] = count / subject_s.best();
-    state.counters["limit/s"] = count / limit_s.best();
-    state.counters["rounds"] = static_cast<double>(rounds);
-    if (ratio < required)
-      missed().push_back(
-          fmt::format("{}: ratio {:.3f} < {}", precision_name(precision), ratio, required));
-  });
 }
 
 // Resident bytes of this process (second field of statm, in pages).
@@ -264,24 +161,9 @@ void prepare_set(State& state, const std::string& sampler, std::uint64_t n, doub
 }
 
 void register_rows() {
-  struct Requirement {
-    Precision precision;
-    double ratio;
-  };
   const auto timed = [](benchmark::internal::Benchmark* row) {
     return row->UseManualTime()->Unit(benchmark::kMillisecond);
   };
-  for (const Requirement& required :
-       {Requirement{Precision::fp32, 0.85}, Requirement{Precision::fp64, 0.8}}) {
-    const Precision precision = required.precision;
-    const auto add = [&](std::string_view row, auto&&... call) {
-      const std::string name = fmt::format("{}/{}/d:8", row, precision_name(precision));
-      return timed(benchmark::RegisterBenchmark(name.c_str(), call...));
-    };
-    add("fused_sobol", fused_sobol, precision);
-    add("limit_sobol", limit_sobol, precision);
-    add("ratio_sobol", ratio_sobol, precision, required.ratio)->Iterations(1);
-  }
   timed(benchmark::RegisterBenchmark("memory_flat/fp64/d:2", memory_flat, 8.0))->Iterations(1);
   for (const char* sampler : {"sobol", "sobol-owen", "random"})
     timed(benchmark::RegisterBenchmark(fmt::format("points_npy/{}/fp64/d:8", sampler).c_str(),
@@ -292,6 +174,7 @@ void register_rows() {
                                        prepare_set, std::string(sampler), std::uint64_t{4096},
                                        10.0))
         ->Iterations(1);
+  register_ratio_rows(missed());
   register_counters_cost(missed());
   register_launch_cost(missed());
   register_planned_vs_general(missed());

@@ -14,6 +14,7 @@
 
 namespace koksma::bench {
 
+// With the integrands of this folder.
 const Catalog& catalog();
 // The default device (PoCL), opened once.
 Device& device();

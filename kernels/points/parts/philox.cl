@@ -1,47 +1,53 @@
 // philox: words of the counter-based generator Philox4x32-10 (Salmon et al. 2011, Random123) for W consecutive
 // sample indices. Key: the 64-bit seed. Counter: (index low, index high, replicate, purpose << 24 | block), one
 // purpose per use (kernels/README.md, "Random streams").
-// The 64-bit products of all lanes with one constant, from the even and the odd lanes: multiply-high of vectors
-// is slow on CPUs, 32 x 32 -> 64 is one instruction.
+// The rounds run on 64-bit slots that hold one word each, in the low half: the even and the odd lanes apart, so that
+// 32 x 32 -> 64 is one instruction (vpmuludq) that takes its factors where they are and leaves both words of the next
+// round there: a product's low half is one as it stands, its high half one shift away. What is in the high halves of
+// the slots never counts. (Multiply-high of vectors is slow on CPUs, and shuffles in every round cost a third.)
+#if KOKSMA_LANES_PER_ITEM == 16
+typedef ulong8 philox_slots;
+#define KOKSMA_AS_SLOTS as_ulong8
+#define KOKSMA_AS_WORDS32 as_uint16
+#elif KOKSMA_LANES_PER_ITEM == 8
+typedef ulong4 philox_slots;
+#define KOKSMA_AS_SLOTS as_ulong4
+#define KOKSMA_AS_WORDS32 as_uint8
+#elif KOKSMA_LANES_PER_ITEM == 4
+typedef ulong2 philox_slots;
+#define KOKSMA_AS_SLOTS as_ulong2
+#define KOKSMA_AS_WORDS32 as_uint4
+#else
+typedef ulong philox_slots;
+#endif
+
+// The 64-bit products of all lanes with one constant, from the even and the odd lanes, for other pieces.
 static inline void multiply_wide(words32 a, uint factor, words32 *high, words32 *low) {
 #if KOKSMA_LANES_PER_ITEM == 1
   *high = mul_hi(a, factor);
-  *low = a * factor;
 #else
-#if KOKSMA_LANES_PER_ITEM == 4
-  typedef ulong2 wide;
-#define KOKSMA_AS_WIDE as_ulong2
-#elif KOKSMA_LANES_PER_ITEM == 8
-  typedef ulong4 wide;
-#define KOKSMA_AS_WIDE as_ulong4
-#else
-  typedef ulong8 wide;
-#define KOKSMA_AS_WIDE as_ulong8
-#endif
-#define KOKSMA_AS_WORDS32 KOKSMA_PASTE(as_uint, KOKSMA_LANES_PER_ITEM)
-  const wide even = (KOKSMA_AS_WIDE(a) & 0xFFFFFFFFUL) * (ulong)factor;
-  const wide odd = (KOKSMA_AS_WIDE(a) >> 32) * (ulong)factor;
+  const philox_slots even = (KOKSMA_AS_SLOTS(a) & 0xFFFFFFFFUL) * (ulong)factor;
+  const philox_slots odd = (KOKSMA_AS_SLOTS(a) >> 32) * (ulong)factor;
   *high = KOKSMA_AS_WORDS32(even >> 32 | (odd & 0xFFFFFFFF00000000UL));
+#endif
   // Not from the products: clang turns odd << 32 into a third, slow 64-bit multiplication.
   *low = a * factor;
-#endif
 }
 
-// Output words of the lanes' indices; c0 and c1 are the counters' low and high index words.
 // always_inline: called twice, it would stay a function with its vectors in memory, at a third of the speed.
-__attribute__((always_inline)) static inline void philox_rounds(words32 c0, words32 c1, ulong seed, uint replicate, uint last, words32 out[4]) {
+__attribute__((always_inline)) static inline void philox_slot_rounds(philox_slots c0, philox_slots c1, ulong seed,
+                                                                     uint replicate, uint last, philox_slots out[4]) {
   uint key0 = (uint)seed, key1 = (uint)(seed >> 32);
-  words32 c2 = (words32)replicate, c3 = (words32)last;
+  philox_slots c2 = (philox_slots)(ulong)replicate, c3 = (philox_slots)(ulong)last;
   // Unrolled, the keys of all rounds are constants of the loop over the samples.
   _Pragma("unroll")
   for (uint round = 0; round < 10; ++round) {
-    words32 high0, low0, high1, low1;
-    multiply_wide(c0, 0xD2511F53u, &high0, &low0);
-    multiply_wide(c2, 0xCD9E8D57u, &high1, &low1);
-    c0 = high1 ^ c1 ^ key0;
-    c1 = low1;
-    c2 = high0 ^ c3 ^ key1;
-    c3 = low0;
+    const philox_slots product0 = (c0 & 0xFFFFFFFFUL) * 0xD2511F53UL;
+    const philox_slots product1 = (c2 & 0xFFFFFFFFUL) * 0xCD9E8D57UL;
+    c0 = product1 >> 32 ^ c1 ^ (ulong)key0;
+    c1 = product1;
+    c2 = product0 >> 32 ^ c3 ^ (ulong)key1;
+    c3 = product0;
     key0 += 0x9E3779B9u;
     key1 += 0xBB67AE85u;
   }
@@ -49,6 +55,22 @@ __attribute__((always_inline)) static inline void philox_rounds(words32 c0, word
   out[1] = c1;
   out[2] = c2;
   out[3] = c3;
+}
+
+// Output words of the lanes' indices; c0 and c1 are the counters' low and high index words.
+__attribute__((always_inline)) static inline void philox_rounds(words32 c0, words32 c1, ulong seed, uint replicate,
+                                                                uint last, words32 out[4]) {
+#if KOKSMA_LANES_PER_ITEM == 1
+  philox_slots words[4];
+  philox_slot_rounds(c0, c1, seed, replicate, last, words);
+  for (uint i = 0; i < 4; ++i) out[i] = (uint)words[i];
+#else
+  philox_slots even[4], odd[4];
+  philox_slot_rounds(KOKSMA_AS_SLOTS(c0), KOKSMA_AS_SLOTS(c1), seed, replicate, last, even);
+  philox_slot_rounds(KOKSMA_AS_SLOTS(c0) >> 32, KOKSMA_AS_SLOTS(c1) >> 32, seed, replicate, last, odd);
+  _Pragma("unroll")
+  for (uint i = 0; i < 4; ++i) out[i] = KOKSMA_AS_WORDS32((even[i] & 0xFFFFFFFFUL) | odd[i] << 32);
+#endif
 }
 
 // Four words of `bits` for lanes with the index words c0 and c1, quartet k of a purpose. Output c of block 2k is the
