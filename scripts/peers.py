@@ -44,6 +44,7 @@ def arguments():
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results" / "peers.json")
     parser.add_argument("--only", action="append", default=[], metavar="NAME", help="a row by its name; repeatable")
     parser.add_argument("--quick", action="store_true", help="small N, few peers, nothing is installed")
+    parser.add_argument("--integrand", action="append", default=[], metavar="NAME", help="one of them; repeatable")
     parser.add_argument("--no-install", action="store_true", help="use what is there")
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--patience", type=float, default=10.0, metavar="SECONDS",
@@ -73,6 +74,16 @@ def chosen(parser, peers, only):
     if unknown:
         parser.error(f"--only {unknown[0]}: there is no such row; there are {', '.join(names)}")
     return {k: [e for e in entries if not only or e["name"] in only] for k, entries in groups.items()}
+
+
+def chosen_problems(parser, options):
+    problems = problem_file.problems(ROOT)
+    names = [p.name for p in problems]
+    for name in options.integrand:
+        if name not in names:
+            parser.error(f"--integrand {name}: there are {', '.join(names)}")
+    wanted = options.integrand or (names[:1] if options.quick else names)
+    return [p for p in problems if p.name in wanted]
 
 
 def context_of(koksma_context, problems, options, sizes, n, replicates):
@@ -128,6 +139,7 @@ class Comparison:
     def curves(self, problem, sizes, replicates):
         found = {}
         for contender in list(self.contenders):
+            say(f"{problem.name}: {contender.entry['name']}, error against N")
             try:
                 found[contender.entry["name"]] = measure.curve_of(contender, problem, sizes, replicates, SEED)
             except measure.Failure as failure:
@@ -202,13 +214,12 @@ def compare(parser, options):
         groups["subjects"] = [{k: v for k, v in e.items() if k != "required"} for e in groups["subjects"]]
     sizes, n, replicates = size["curve"], size["n"], size["replicates"]
     koksma = find_koksma(parser, options.koksma)
-    problems = problem_file.problems(ROOT)[:1 if options.quick else None]
+    problems = chosen_problems(parser, options)
     env = environment.Environment(ROOT / "build" / "peers", not (options.quick or options.no_install), say)
     with tempfile.TemporaryDirectory() as folder:
         exact, koksma_context = measure.exact_values(koksma, folder, problems)
         comparison = Comparison(peers, groups, env, koksma, folder, exact)
         for problem in problems:
-            say(f"{problem.name}: error against N of {len(comparison.contenders)} rows")
             comparison.measure(problem, sizes, n, replicates, options)
         for contender in comparison.contenders:
             contender.stop()
