@@ -76,6 +76,7 @@ def measure(options, precision, dim, n, folder):
 
 def curve(options, precision, dim, folder):
     points, context = [], None
+    measure(options, precision, dim, 2 ** 12, folder)  # builds the program, which takes memory
     for exponent in range(12, options.largest + 1, 2):
         n = 2 ** exponent
         if points and points[-1]["wall_s"] * n / points[-1]["n"] > options.longest:
