@@ -147,22 +147,23 @@ class Comparison:
         return found
 
     def measure(self, problem, sizes, n, replicates, options):
-        """Curves of all, then the rounds at N, which give the curve its last point too."""
+        """Curves of all, N their last point, then the rounds at N in jobs of about the same duration."""
         curves = self.curves(problem, sizes, replicates)
         say(f"{problem.name}: rounds")
-        times, errors, failures = measure.rounds_of(self.contenders, problem, n, replicates, options.rounds,
-                                                    options.patience, SEED)
+        per_job = {name: measure.replicates_for(curve[-1]["seconds"]) for name, curve in curves.items()}
+        times, failures = measure.rounds_of(self.contenders, problem, n, per_job, options.rounds, options.patience, SEED)
         for contender in list(self.contenders):
             name = contender.entry["name"]
             if name in failures:
                 self.drop(contender, failures[name])
                 continue
-            seconds = sorted(times[name])
-            curve = [*curves[name], {"n": n, "error": errors[name], "seconds": seconds[0]}]
+            seconds, curve = sorted(times[name]), curves[name]
+            curve[-1]["seconds"] = min(curve[-1]["seconds"], seconds[0])
             self.rows[name]["problems"].append({
                 "integrand": problem.name, "n": n,
                 "seconds_per_n": {"min": seconds[0], "median": seconds[len(seconds) // 2], "count": len(seconds)},
-                "points_per_s": n / seconds[0], "error": errors[name], "curve": curve, **assess.times_to(curve)})
+                "points_per_s": n / seconds[0], "error": curve[-1]["error"], "curve": curve,
+                **assess.times_to(curve)})
 
 
 def seconds_of(command):

@@ -138,20 +138,27 @@ def curve_of(contender, problem, sizes, replicates, seed):
     return points
 
 
-def rounds_of(contenders, problem, n, replicates, rounds, patience, seed):
-    """Seconds per N points of every contender, in alternation; [contender][round], empty where it failed.
+JOB = 0.05  # seconds, about: as long for the fast as for the slow, so that what else runs disturbs them alike
 
-    A contender leaves after the first round in which it has used up `patience` seconds."""
-    times = {c.entry["name"]: [] for c in contenders}
-    errors, failures = {}, {}
+
+def replicates_for(seconds):
+    """An even number of estimates that take about JOB, for two threads; at most 64."""
+    return max(2, min(64, 2 * round(JOB / (2 * seconds))))
+
+
+def rounds_of(contenders, problem, n, replicates, rounds, patience, seed):
+    """Seconds per N points of every contender in alternation, by name; and the reasons of those that failed.
+
+    replicates: of each job, by name. A contender leaves once it has used up `patience` seconds."""
+    times, failures = {c.entry["name"]: [] for c in contenders}, {}
     for _ in range(rounds):
         for contender in contenders:
             name = contender.entry["name"]
-            if name in failures or sum(times[name]) * replicates > patience:
+            if name in failures or sum(times[name]) * replicates[name] > patience:
                 continue
             try:
-                seconds, errors[name] = contender.measure(problem, n, replicates, seed)
-                times[name].append(seconds / replicates)
+                seconds, _ = contender.measure(problem, n, replicates[name], seed)
+                times[name].append(seconds / replicates[name])
             except Failure as failure:
                 failures[name] = str(failure)
-    return times, errors, failures
+    return times, failures

@@ -76,11 +76,15 @@ class Assess(unittest.TestCase):
 class Rounds(unittest.TestCase):
     def test_rounds_alternate_and_end_for_the_slow_and_for_those_that_fail(self):
         quick, slow, broken = Slow("quick", 0.1), Slow("slow", 8.0), Slow("broken", None)
-        times, errors, failures = measure.rounds_of([quick, slow, broken], None, 1024, 4, 5, 3.0, 1)
+        replicates = {"quick": 4, "slow": 4, "broken": 4}
+        times, failures = measure.rounds_of([quick, slow, broken], None, 1024, replicates, 5, 3.0, 1)
         self.assertEqual((quick.calls, slow.calls, broken.calls), (5, 1, 1))
         self.assertEqual(times["slow"], [2.0])
-        self.assertEqual(errors["quick"], 0.5)
+        self.assertAlmostEqual(times["quick"][4], 0.025)
         self.assertEqual(list(failures), ["broken"])
+
+    def test_jobs_last_about_as_long_for_all(self):
+        self.assertEqual([measure.replicates_for(s) for s in (1e-6, 1e-3, 5e-3, 10)], [64, 50, 10, 2])
 
     def test_a_peer_that_ends_is_a_failure_with_its_last_words(self):
         command = [sys.executable, "-c", "import sys; sys.exit('library is missing')"]
