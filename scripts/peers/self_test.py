@@ -35,12 +35,12 @@ class Slow:
 
 class Assess(unittest.TestCase):
     def test_time_to_a_tolerance_is_that_of_the_n_of_the_fitted_line(self):
-        curve = [{"n": n, "error": 1 / n, "seconds": 1e-6 * n} for n in (256, 1024, 4096, 16384)]
+        curve = [{"n": n, "error": 4 / n, "seconds": 1e-6 * n} for n in (256, 1024, 4096, 16384)]
         found = {t["tolerance"]: t for t in assess.times_to(curve)["time_to"]}
-        self.assertAlmostEqual(found[1e-3]["n"], 1000, places=6)
-        self.assertAlmostEqual(found[1e-3]["seconds"], 1e-3, places=9)
+        self.assertAlmostEqual(found[1e-3]["n"], 4000, places=6)
+        self.assertAlmostEqual(found[1e-3]["seconds"], 4e-3, places=9)
         self.assertFalse(found[1e-3]["extrapolated"])
-        self.assertAlmostEqual(found[1e-6]["seconds"], 1, places=6)
+        self.assertAlmostEqual(found[1e-6]["seconds"], 4, places=6)
         self.assertTrue(found[1e-6]["extrapolated"])
 
     def test_an_error_that_does_not_fall_reaches_nothing(self):
