@@ -1,7 +1,10 @@
 // General kernels integrate what planned ones do, and explain says what both take.
 #include "plan/general.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
 
 #include "device/compare_general.hpp"
 #include "error/error.hpp"
@@ -59,7 +62,7 @@ TEST_CASE("a sampler without a general kernel is told with its reason", "[device
   CHECK_THAT(*no_general_kernel(plan),
              Contains("family 'halton' has no general kernel") && Contains("digital"));
   CHECK_THROWS_AS(general_plan(test::catalog(), plan), UnsupportedError);
-  const CommandResult told =
+  const test::CommandResult told =
       test::run_command("explain --scene linear-prod:d=2 --sampler halton --n 2^8 --measure");
   CHECK(told.status == 0);
   CHECK_THAT(told.output, Contains("measured    nothing: family 'halton' has no general kernel"));
@@ -67,7 +70,7 @@ TEST_CASE("a sampler without a general kernel is told with its reason", "[device
 
 TEST_CASE("explain --measure --json holds both times, their ratio, bytes and operations",
           "[device]") {
-  const CommandResult result = test::run_command(
+  const test::CommandResult result = test::run_command(
       "explain --scene linear-prod:d=6 --sampler sobol-shift --n 2^10 --replicates 3 --measure "
       "--json");
   INFO(result.output);

@@ -3,8 +3,8 @@
 #include "plan/prune.hpp"
 
 #include <catch2/catch.hpp>
+#include <map>
 #include <regex>
-#include <set>
 
 #include "plan/compose.hpp"
 #include "plan/conditionals.hpp"
