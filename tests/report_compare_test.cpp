@@ -30,7 +30,7 @@ const Json& recorded() {
   return kept;
 }
 
-// Times of 8 rounds of a machine that drifts by a factor of two within the run and between runs,
+// Times of 12 rounds of a machine that drifts by a factor of two within the run and between runs,
 // with 5 % of noise, and launches that meet somebody else's and take up to twice as long; times
 // `factor`.
 Json timed(std::uint64_t seed, double factor = 1) {
@@ -43,7 +43,7 @@ Json timed(std::uint64_t seed, double factor = 1) {
   for (Json& cell : results["cells"]) {
     for (Json& row : cell["rows"]) {
       row["kernel_times_s"] = row["calibration_s"] = Json::array();
-      for (int round = 0; round < 8; ++round) {
+      for (int round = 0; round < 12; ++round) {
         clock += 0.01;
         const double drift = std::exp2(0.5 + 0.5 * std::sin(phase + clock));
         const double hit = uniform(random) < 0.1 ? 1 + uniform(random) : 1;
@@ -82,23 +82,24 @@ std::size_t row_with_interval(const Json& cell) {
 
 TEST_CASE("two runs of one build on a machine that drifts by a factor of two do not differ",
           "[statistical]") {
-  // 100 pairs at a family-wise level of 0.01 with a threshold of five standard deviations of the
-  // noise of a row: more than five alarms have a probability below 1e-3 by the level alone; by the
-  // threshold there is none in practice.
+  // 100 pairs. The threshold is more than five standard deviations of a row's ratio (0.07 /
+  // sqrt(12) times sqrt 2, a little more for the hits): below 1e-6 for all rows together.
   int alarms = 0;
   for (std::uint64_t k = 0; k < 100; ++k)
     alarms += compared(timed(2 * k), timed(2 * k + 1)).regression();
   CHECK(alarms == 0);
-  // Without calibration the same machine is not comparable to itself.
-  int uncalibrated = 0;
-  for (std::uint64_t k = 0; k < 20; ++k) {
-    Json base = timed(2 * k), now = timed(2 * k + 1);
-    for (Json* results : {&base, &now})
-      for (Json& cell : (*results)["cells"])
-        for (Json& row : cell["rows"]) row.erase("calibration_s");
-    uncalibrated += compared(base, now).regression();
-  }
-  CHECK(uncalibrated > 5);
+  // Half as fast a machine is the same to a calibrated comparison, and slower to any other.
+  Json base = timed(0), now = timed(1);
+  for (Json& cell : now["cells"])
+    for (Json& row : cell["rows"])
+      for (const char* key : {"kernel_times_s", "calibration_s"})
+        for (Json& t : row[key]) t = 2 * t.get<double>();
+  CHECK_FALSE(compared(base, now).regression());
+  CHECK(compared(base, now).calibration_ratio > 1.2);
+  for (Json* results : {&base, &now})
+    for (Json& cell : (*results)["cells"])
+      for (Json& row : cell["rows"]) row.erase("calibration_s");
+  CHECK(compared(base, now).regression());
 }
 
 TEST_CASE("a slowdown of 30 % of everything, of one cell and of one row is found",
