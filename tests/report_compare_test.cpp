@@ -122,7 +122,7 @@ TEST_CASE("a slowdown of 30 % of everything, of one cell and of one row is found
     for (Json& c : slower["cells"])
       for (Json& r : c["rows"])
         for (Json& t : r["kernel_times_s"]) t = 1.08 * t.get<double>();
-    small += compared(base, slower).regression();
+    small += compared(base, slower).study.change != Change::none;
   }
   CHECK(everything == 60);
   CHECK(cell >= 57);

@@ -15,6 +15,8 @@
 namespace koksma {
 namespace {
 
+// The standard error of a median of n normal variables is sqrt(pi / 2) sd / sqrt(n).
+constexpr double kOfMedian = 1.2533141373155;
 constexpr std::size_t kLevels = 3;  // rows, cells, the study: alpha is shared by them
 
 std::string name_of(const Json& cell) {
@@ -242,9 +244,12 @@ class Comparer {
     result_.study = combined_change(all);
     result_.cells_timed = cells.size();
     result_.row_spread = spread_of(row_ratios);
-    // Of few cells that of their rows, which is larger.
-    result_.cell_spread =
-        cells.size() < kLeastForSpread ? result_.row_spread : spread_of(cell_ratios);
+    // Of few cells that of medians of their rows, which are taken for independent.
+    const double rows_per_cell =
+        static_cast<double>(row_ratios.size()) / static_cast<double>(cells.size());
+    result_.cell_spread = cells.size() < kLeastForSpread
+                              ? kOfMedian * result_.row_spread / std::sqrt(rows_per_cell)
+                              : spread_of(cell_ratios);
     if (!calibration_.empty()) result_.calibration_ratio = combined_change(calibration_).ratio;
     decide_times();
   }
@@ -259,8 +264,6 @@ class Comparer {
         decide(row.time, threshold, share / rows, result_.row_spread);
       decide(cell.time, threshold, share / cells, result_.cell_spread);
     }
-    // The standard error of a median of normal variables is sqrt(pi / 2) sd / sqrt(n).
-    constexpr double kOfMedian = 1.2533141373155;
     decide(result_.study, threshold, share, kOfMedian * result_.cell_spread / std::sqrt(cells));
   }
 
