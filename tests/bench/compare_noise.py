@@ -21,7 +21,7 @@ import tempfile
 from pathlib import Path
 
 FACTOR = 1.3
-WORK, MORE_WORK = 60, 80  # rounds of the loop: a third more, of a kernel that does little else
+WORK, MORE_WORK = 200, 260  # rounds of the loop: 30 % more, of a kernel that does little else
 
 CODE = """// planted: x_0 + ... under an idle loop whose length is what is compared.
 #ifdef KOKSMA_EXACT
