@@ -244,12 +244,13 @@ class Comparer {
     result_.study = combined_change(all);
     result_.cells_timed = cells.size();
     result_.row_spread = spread_of(row_ratios);
-    // Of few cells that of medians of their rows, which are taken for independent.
-    const double rows_per_cell =
-        static_cast<double>(row_ratios.size()) / static_cast<double>(cells.size());
-    result_.cell_spread = cells.size() < kLeastForSpread
-                              ? kOfMedian * result_.row_spread / std::sqrt(rows_per_cell)
-                              : spread_of(cell_ratios);
+    // Cells too few to tell vary no more than their rows; the median over all takes rows for
+    // independent then.
+    const bool few = cells.size() < kLeastForSpread;
+    result_.cell_spread = few ? result_.row_spread : spread_of(cell_ratios);
+    result_.study_spread =
+        kOfMedian * result_.cell_spread /
+        std::sqrt(static_cast<double>(few ? row_ratios.size() : cell_ratios.size()));
     if (!calibration_.empty()) result_.calibration_ratio = combined_change(calibration_).ratio;
     decide_times();
   }
@@ -264,7 +265,7 @@ class Comparer {
         decide(row.time, threshold, share / rows, result_.row_spread);
       decide(cell.time, threshold, share / cells, result_.cell_spread);
     }
-    decide(result_.study, threshold, share, kOfMedian * result_.cell_spread / std::sqrt(cells));
+    decide(result_.study, threshold, share, result_.study_spread);
   }
 
   Comparison result_;

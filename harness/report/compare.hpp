@@ -74,9 +74,9 @@ struct Comparison {
   std::vector<std::string> notes;  // what else differs: device, driver, seed, ...
   std::vector<CellChange> cells;   // those of the base, then new ones
   TimeChange study;
-  // How far the ratios of rows and of cells that did not change lie apart, as standard deviations
-  // of their logarithms; 0 where there are too few to tell.
-  double row_spread = 0, cell_spread = 0;
+  // How far the ratios of rows and of cells that did not change lie apart, and the median over
+  // cells from its mean, as standard deviations of their logarithms; 0: too few to tell.
+  double row_spread = 0, cell_spread = 0, study_spread = 0;
   double calibration_ratio = 0;  // of the calibration kernel itself, new / base; 0 unknown
   std::size_t rows_timed = 0, cells_timed = 0, rows_with_errors = 0;
 

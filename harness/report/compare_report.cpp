@@ -234,6 +234,7 @@ Json compare_json(const Comparison& comparison) {
       {"rows_with_errors", comparison.rows_with_errors},
       {"row_spread", comparison.row_spread},
       {"cell_spread", comparison.cell_spread},
+      {"study_spread", comparison.study_spread},
       {"calibration_ratio",
        comparison.calibration_ratio > 0 ? Json(comparison.calibration_ratio) : Json(nullptr)},
       {"study", time_json(comparison.study)},
