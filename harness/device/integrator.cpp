@@ -80,13 +80,13 @@ double Integrator::for_each_launch(std::uint64_t n, std::uint32_t log2_block,
       static_cast<std::uint32_t>(std::min<std::uint64_t>(replicates, most));
   const std::uint64_t blocks_at_once = std::max<std::uint64_t>(most / replicates_at_once, 1);
   double seconds = 0;
-  std::optional<Flight> flight, queued;
+  std::vector<Flight> flights;  // one, or two while the next is queued behind it
   const auto finish = [&] {
-    if (!flight) return;
-    seconds += land(*flight);
-    body(*flight);
-    release(*flight);
-    flight.reset();
+    if (flights.empty()) return;
+    seconds += land(flights.front());
+    body(flights.front());
+    release(flights.front());
+    flights.erase(flights.begin());
   };
   try {
     for (std::uint64_t block = first_block; block < end_block; block += blocks_at_once) {
@@ -95,15 +95,13 @@ double Integrator::for_each_launch(std::uint64_t n, std::uint32_t log2_block,
                           log2_block, r,     std::min(replicates_at_once, replicates - r),
                           y0};
         if (!ahead_ || counts(kernel)) finish();
-        queued = start(kernel, next);
-        finish();
-        flight.swap(queued);
+        flights.push_back(start(kernel, next));
+        if (flights.size() > 1) finish();
       }
     }
     finish();
   } catch (...) {  // nothing may stay mapped: the next launch writes there
-    for (auto* open : {&flight, &queued})
-      if (*open) release(**open);
+    for (Flight& flight : flights) release(flight);
     throw;
   }
   return seconds;

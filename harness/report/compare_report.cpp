@@ -89,7 +89,7 @@ Line cell_line(const CellChange& cell) {
 }
 
 Line row_line(const RowChange& row) {
-  std::string words = row.vanished.empty() ? time_words(row.time) : "VANISHED: " + row.vanished;
+  std::string words = row.vanished.empty() ? time_words(row.time) : fmt::format("VANISHED: {}", row.vanished);
   const std::string error = error_words(row.error);
   if (!error.empty() && row.vanished.empty()) words += (words.empty() ? "" : "; ") + error;
   return {"",
@@ -147,10 +147,13 @@ std::string limits(const Comparison& c) {
       100 * c.options.threshold, c.options.alpha);
 }
 
-std::string escaped(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
-    text.insert(at, "\\");
-  return text;
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '|') result += '\\';
+    result += c;
+  }
+  return result;
 }
 
 std::string markdown_table(const std::vector<Line>& lines) {
