@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <span>
 
 #include "plan/tokens.hpp"
 
@@ -155,20 +156,24 @@ void define(Macros& macros, std::string_view operand, bool certain) {
                  : std::nullopt;
 }
 
+// A line with those that continue it: a directive, or a line of code.
+using Span = std::span<const SourceLine>;
+
 class Opening {
  public:
-  void read(const SourceLine& line) {
-    const std::string_view directive = directive_of(line.text);
+  // `text`: the lines as one.
+  void read(Span lines, std::string_view text) {
+    const std::string_view directive = directive_of(text);
     if (directive == "if" || directive == "ifdef" || directive == "ifndef")
-      begin(directive, line);
+      begin(directive, lines, text);
     else if (directive == "elif" && !branches_.empty())
-      next(condition_value(operand_of(line.text), macros_), line);
+      next(condition_value(operand_of(text), macros_), lines);
     else if (directive == "else" && !branches_.empty())
-      next(1, line);
+      next(1, lines);
     else if (directive == "endif" && !branches_.empty())
-      end(line);
+      end(lines);
     else if (open())
-      keep(directive, line);
+      keep(directive, lines, text);
   }
   std::vector<SourceLine> take() { return std::move(lines_); }
 
@@ -181,51 +186,53 @@ class Opening {
                        [](const Branch& b) { return b.decided; });
   }
 
-  void begin(std::string_view directive, const SourceLine& line) {
+  void put(Span lines) { lines_.insert(lines_.end(), lines.begin(), lines.end()); }
+
+  void begin(std::string_view directive, Span lines, std::string_view text) {
     if (!open()) {
       branches_.push_back({true, false, true});
       return;
     }
-    std::string condition(operand_of(line.text));
+    std::string condition(operand_of(text));
     if (directive != "if") condition = "defined(" + condition + ")";
     if (directive == "ifndef") condition = "!" + condition;
     const auto value = condition_value(condition, macros_);
     branches_.push_back({value.has_value(), !value || *value != 0, value && *value != 0});
-    if (!value) lines_.push_back(line);
+    if (!value) put(lines);
   }
 
   // An #elif that is not known, behind closed branches, would have to become an #if: rare enough to
   // leave it to the compiler, with `#if 1` or `#if 0` in place of what was decided.
-  void next(std::optional<long long> value, const SourceLine& line) {
+  void next(std::optional<long long> value, Span lines) {
     Branch& branch = branches_.back();
     if (!branch.decided) {
-      lines_.push_back(line);
+      put(lines);
       return;
     }
     branch.open = !branch.done && (!value || *value != 0);
     if (branch.open && !value) {
       branch.decided = false;
-      lines_.push_back({"#if 0", line.path, line.number});
-      lines_.push_back(line);
+      lines_.push_back({"#if 0", lines.front().path, lines.front().number});
+      put(lines);
     }
     branch.done = branch.done || branch.open;
   }
 
-  void end(const SourceLine& line) {
-    if (!branches_.back().decided) lines_.push_back(line);
+  void end(Span lines) {
+    if (!branches_.back().decided) put(lines);
     branches_.pop_back();
   }
 
-  void keep(std::string_view directive, const SourceLine& line) {
-    if (directive == "define") define(macros_, operand_of(line.text), certain());
+  void keep(std::string_view directive, Span lines, std::string_view text) {
+    if (directive == "define") define(macros_, operand_of(text), certain());
     if (directive == "undef") {
-      const std::string name(operand_of(line.text));
+      const std::string name(operand_of(text));
       if (certain())
         macros_.erase(name);
       else
         macros_[name] = std::nullopt;
     }
-    lines_.push_back(line);
+    put(lines);
   }
 
   Macros macros_;
@@ -279,7 +286,16 @@ std::vector<SourceLine> source_lines(std::string_view text) {
 
 std::vector<SourceLine> open_lines(const std::vector<SourceLine>& lines) {
   Opening opening;
-  for (const SourceLine& line : lines) opening.read(line);
+  for (std::size_t i = 0; i < lines.size();) {
+    std::size_t end = i + 1;
+    std::string text(lines[i].text);
+    while (text.ends_with('\\') && !directive_of(text).empty() && end < lines.size()) {
+      text.back() = ' ';
+      text += lines[end++].text;
+    }
+    opening.read(Span(lines).subspan(i, end - i), text);
+    i = end;
+  }
   return opening.take();
 }
 

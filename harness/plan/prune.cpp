@@ -42,13 +42,16 @@ void note_uses(Item& item, const std::vector<Token>& tokens, std::size_t begin, 
   }
 }
 
-// `#define NAME body`, with what the body uses but its own parameters.
-Item macro_item(const std::string& text) {
+// A directive; of `#define NAME body` with what the body uses but its own parameters.
+Item directive_item(const std::string& text) {
   Item item;
   item.directive = true;
   const std::string_view directive = directive_of(text);
-  if (directive != "define" && directive != "undef") return item;
   const std::vector<Token> tokens = tokens_of(operand_of(text));
+  // What the compiler decides a branch by stays.
+  if (directive == "if" || directive == "elif" || directive == "ifdef" || directive == "ifndef")
+    note_uses(item, tokens, 0, tokens.size());
+  if (directive != "define" && directive != "undef") return item;
   if (tokens.empty()) return item;
   item.name = tokens[0].text;
   if (directive == "undef") return item;
@@ -118,7 +121,7 @@ class Piece {
       }
       is_conditional_ = is_conditional_ || directive_of(text) == "if" ||
                         directive_of(text) == "ifdef" || directive_of(text) == "ifndef";
-      Item item = macro_item(text);
+      Item item = directive_item(text);
       item.first = first;
       item.last = i;
       items_.push_back(std::move(item));
