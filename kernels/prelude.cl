@@ -134,9 +134,6 @@ static inline real unit_from_word(bits w) {
   return unit_from_mantissa(w >> (word)shift | (word)KOKSMA_ONE_PATTERN);
 }
 
-// A family may offer centred coordinates of its own (kernels/README.md); where its slots are wrapped they are not met.
-#define KOKSMA_OWN_CENTRED (!KOKSMA_ROTATED && !KOKSMA_COUNTERS)
-
 #if KOKSMA_ROTATED
 // The family that follows is wrapped by rotate.cl.
 #define points unrotated_points
@@ -150,4 +147,10 @@ static inline real unit_from_word(bits w) {
 // Until the end of counters.cl: compilers keep functions that are called from two places apart, and the state of
 // the points with them out of registers.
 #define inline inline __attribute__((always_inline))
+#define KOKSMA_OWN_CENTRED 0
+#endif
+
+// A family may offer centred coordinates of its own (kernels/README.md); where its slots are wrapped they are not met.
+#ifndef KOKSMA_OWN_CENTRED
+#define KOKSMA_OWN_CENTRED (!KOKSMA_ROTATED)
 #endif

@@ -102,7 +102,7 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
   json["grid_limited"] = row.grid_limited;
   json["kernel_s"] = time_json(row.kernel);
   json["wall_s"] = time_json(row.wall);
-  json["kernel_times_s"] = times_json(row.kernel_times);
+  if (!row.kernel_times.empty()) json["kernel_times_s"] = times_json(row.kernel_times);
   if (!row.calibration.empty()) json["calibration_s"] = times_json(row.calibration);
   json["launch_bound"] = launch_bound(row);
   json["seconds_per_replicate"] = seconds;
