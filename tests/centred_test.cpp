@@ -44,7 +44,7 @@ std::vector<double> both_slots(const Sampler& sampler, Precision precision, std:
   Plan plan = make_points_plan(test::catalog(), sampler.name, dim, precision, n, 1, 1,
                                device.facts(), "", LaunchShape{lanes, 1, {}, {}});
   plan.request.centred_draws = !plan.sampler->rotated;
-  ProgramSource source = inspect_program(test::catalog(), plan, false);
+  ProgramSource source = compose_whole(test::catalog(), plan, ProgramKind::inspect);
   source.text += kBothSlots;
   cl::Kernel kernel(device.build(source).program, "both_slots");
   const std::vector<std::byte> table = point_table(device, plan);

@@ -214,6 +214,8 @@ inline void make(Dice& dice, Made& made) {
                                        &detail.floors.integrand, &detail.floors.summation})
     if (dice.one_in(8)) *floor = dice.one_in(4) ? 0 : scale * dice.size(-18, -1);
   made.result.cell = made.plan.cell;
+  made.result.stopped.reason = "all that were asked for";
+  made.result.stopped.at_n = made.result.rows.back().n;
   made.result.exact = made.exact;
   std::optional<Reference> reference;
   if (dice.one_in(2)) {
