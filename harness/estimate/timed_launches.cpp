@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kSecondsBetween = 0.0025;  // of launches, from one calibration to the next
 constexpr std::size_t kMostAtOnce = 5;
-constexpr double kRepeatSeconds = 0.020, kMostSeconds = 0.150;
+constexpr double kRepeatSeconds = 0.020, kMostSeconds = 0.060;
 constexpr std::size_t kLeastLaunches = 3;
 
 }  // namespace

@@ -23,7 +23,7 @@ double quantile_of(const std::vector<double>& sorted, double p);
 inline constexpr std::size_t kLaunchesAlone = 5;
 
 // Whether a row that was launched `count` times in `spent` seconds has enough: 20 ms of launches
-// and at least three, as a median needs, unless those take 150 ms; never more than `most`.
+// and at least three, as a median needs, unless those take 60 ms; never more than `most`.
 bool enough_launches(std::size_t count, double spent, std::size_t most);
 
 class TimedLaunches {
