@@ -89,7 +89,8 @@ Line cell_line(const CellChange& cell) {
 }
 
 Line row_line(const RowChange& row) {
-  std::string words = row.vanished.empty() ? time_words(row.time) : fmt::format("VANISHED: {}", row.vanished);
+  std::string words =
+      row.vanished.empty() ? time_words(row.time) : fmt::format("VANISHED: {}", row.vanished);
   const std::string error = error_words(row.error);
   if (!error.empty() && row.vanished.empty()) words += (words.empty() ? "" : "; ") + error;
   return {"",

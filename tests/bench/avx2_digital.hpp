@@ -39,8 +39,7 @@ struct DigitalPoints {
     flip(state, table + table[5] + replicate * table[1]);
     const std::uint64_t gray = first ^ first >> 1;
     for (std::uint32_t k = 4; gray >> k != 0; ++k)
-      if ((gray >> k & 1) != 0)
-        flip(state, state.steps + static_cast<std::size_t>(k - 4) * kDim);
+      if ((gray >> k & 1) != 0) flip(state, state.steps + static_cast<std::size_t>(k - 4) * kDim);
     return state;
   }
 
