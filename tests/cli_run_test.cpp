@@ -113,7 +113,7 @@ TEST_CASE("a cell that fails is a row, status 1, and the other cells' results st
 TEST_CASE("a user's integrand runs, lists and is explained without a rebuild", "[device]") {
   const test::TemporaryFolder folder;
   const std::string json =
-      own_integrand(folder, "my-own", "R(1.0) + c[j]", "(R(1.0) + R(0.0)) + c[j]");
+      own_integrand(folder, "my-own", "R(1.0) + (c[j]", "(R(1.0) + R(0.0)) + (c[j]");
   const RunResult run = run_study(folder, "--integrand " + json +
                                               " --scene my-own:d=2 --scene linear-prod:d=2 "
                                               "--sampler sobol-owen --n 2^6 --replicates 4");

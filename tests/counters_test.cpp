@@ -304,7 +304,7 @@ TEST_CASE("samples with a coordinate outside (0,1) are counted once, whatever th
       if (n == 1024) CHECK((le0 == 624 && ge1 == 624));  // 39 x 16
       for (const std::uint32_t lanes : kWidths) {
         for (const bool relaxed : {false, true}) {
-          Cell c = cell("linear-prod:d=2", "sobol", n);
+          Cell c = cell("prod-2x:d=2", "sobol", n);
           c.precision = precision;
           PlanOptions options{LaunchShape{lanes, 1, {}, 3}};
           options.counters = true;
