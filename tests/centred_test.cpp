@@ -40,7 +40,7 @@ __kernel void both_slots(__global const word *table, ulong n, ulong seed, uint s
 std::vector<double> both_slots(const Sampler& sampler, Precision precision, std::uint32_t lanes) {
   Device& device = test::device();
   const std::uint32_t dim = test::usual_dim(sampler);
-  const std::uint64_t n = test::admitted_size(sampler, dim, 16 * (kSteps + 1));
+  const std::uint64_t n = test::admitted_size(sampler, dim, std::uint64_t{16} * (kSteps + 1));
   Plan plan = make_points_plan(test::catalog(), sampler.name, dim, precision, n, 1, 1,
                                device.facts(), "", LaunchShape{lanes, 1, {}, {}});
   plan.request.centred_draws = !plan.sampler->rotated;

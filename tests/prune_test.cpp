@@ -202,9 +202,9 @@ TEST_CASE("tables of nets and lattices grow by one step per doubling of N, from 
       // A net's step is a word per dimension; a lattice's are two, each with its lanes and a column
       // where the kernel is unrolled.
       const bool lattice = sampler.family == "lattice";
-      CHECK(one == dim * (!lattice ? 1 : dim == 3 ? 33 : 2));
+      CHECK(one == std::size_t{dim} * (!lattice ? 1 : dim == 3 ? 33 : 2));
       // Behind a header of 8 words: no column that no index reaches.
-      CHECK(words(16) == 8 + dim * ((lattice ? 32 : 16) + 1));
+      CHECK(words(16) == 8 + std::size_t{dim} * ((lattice ? 32 : 16) + 1));
     }
   }
 }
