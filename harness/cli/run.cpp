@@ -161,8 +161,9 @@ class Run {
     if (slot.prepared != nullptr) {
       progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
       try {
-        slot.json = cell_to_json(catalog_, slot.prepared->run(rows_, reference_of(cell)),
-                                 &slot.prepared->plan());
+        // First the rows: a rule that goes beyond the study plans the cell again.
+        const CellResult result = slot.prepared->run(rows_, reference_of(cell));
+        slot.json = cell_to_json(catalog_, result, &slot.prepared->plan());
       } catch (const std::exception& error) {
         fail(slot, cell, error.what());
       }
