@@ -215,9 +215,10 @@ int explain(const ExplainOptions& options) {
   flags.own_directions = !options.directions.empty();
   const Study study = read_study(catalog, "", flags);
   Device device = Device::choose(options.device);
+  Device exact_device = Device::choose_exact(device);
   for (const Cell& cell : study.cells) {
     Plan plan = make_plan(catalog, cell, device.facts(), options.directions);
-    const ExactValues exact = compute_exact(device, *plan.integrand, plan.cell.scene);
+    const ExactValues exact = compute_exact(exact_device, *plan.integrand, plan.cell.scene);
     plan.request.dimension_order = exact.dimension_order;
     Explained e{plan, device.facts(), point_table(device, plan).size(), {}, 0, {}, {}, {}, {}};
     e.coefficient_bytes = exact.coefficients.size() * (plan.fp64() ? 8 : 4);
