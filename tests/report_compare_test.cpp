@@ -200,6 +200,18 @@ TEST_CASE("cells and rows that vanish or fail are regressions, new ones are list
   shorter["cells"][0]["rows"].erase(2);
   CHECK(compared(base, shorter).regression());
   CHECK_FALSE(compared(base, shorter).cells[0].rows[2].vanished.empty());
+
+  // What a stop rule did not go on to has not vanished; what it passed by has.
+  Json stopped = timed(2);
+  Json& cell = stopped["cells"][0];
+  while (cell["rows"].size() > 3) cell["rows"].erase(cell["rows"].size() - 1);
+  cell["stopped"]["at_n"] = cell["rows"][2]["n"];
+  CHECK(compared(base, stopped).regression());  // it had none
+  cell["stopped"]["by"] = "until";
+  CHECK_FALSE(compared(base, stopped).regression());
+  CHECK_THAT(compared(base, stopped).cells[0].rows[3].time.reason, Contains("not run: "));
+  cell["rows"].erase(1);
+  CHECK(compared(base, stopped).regression());
 }
 
 TEST_CASE(

@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <ctime>
 #include <memory>
 #include <utility>
 
 #include "catalog/embedded.hpp"
+#include "catalog/utc.hpp"
 #include "device/exact.hpp"
 #include "device/integrator.hpp"
 #include "error/error.hpp"
@@ -27,15 +26,6 @@ constexpr double kSeconds = 2;
 constexpr std::uint64_t kWidestGrid = std::uint64_t{1} << 16;
 
 using Clock = std::chrono::steady_clock;
-
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text.data();
-}
 
 // One kernel under one shape, ready to run.
 class Contender {
@@ -101,9 +91,7 @@ class KernelTuner {
 
   const TimedShape* find(const LaunchShape& shape) const {
     const auto found = std::find_if(timed_.begin(), timed_.end(), [&](const TimedShape& t) {
-      return t.shape.lanes_per_item == shape.lanes_per_item &&
-             t.shape.local_size == shape.local_size &&
-             t.shape.items_per_launch == shape.items_per_launch;
+      return same_shape(t.shape, shape);
     });
     return found == timed_.end() ? nullptr : &*found;
   }
@@ -127,11 +115,7 @@ class KernelTuner {
   void time(const std::vector<LaunchShape>& shapes) {
     std::vector<std::unique_ptr<Contender>> contenders;
     for (const LaunchShape& shape : shapes) {
-      const auto same = [&](const auto& c) {
-        return c->shape().lanes_per_item == shape.lanes_per_item &&
-               c->shape().local_size == shape.local_size &&
-               c->shape().items_per_launch == shape.items_per_launch;
-      };
+      const auto same = [&](const auto& c) { return same_shape(c->shape(), shape); };
       if (!is_wanted(shape) || std::any_of(contenders.begin(), contenders.end(), same)) continue;
       add(contenders, shape);
     }

@@ -1,21 +1,14 @@
 #include "estimate/bootstrap.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "estimate/quantile.hpp"
 
 namespace koksma {
 
 namespace {
 
 constexpr std::size_t kFewestValues = 20;
-
-// Linear interpolation between order statistics (type 7 of Hyndman & Fan, Am. Stat. 50, 1996).
-double quantile(std::span<const double> sorted, double probability) {
-  const double rank = probability * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(std::floor(rank));
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return std::lerp(sorted[below], sorted[above], rank - static_cast<double>(below));
-}
 
 }  // namespace
 
@@ -35,7 +28,7 @@ void draw_counts(SplitMix64& generator, std::span<std::uint32_t> counts) {
 std::optional<Interval> percentile_interval(std::span<double> values) {
   if (values.size() < kFewestValues) return std::nullopt;
   std::sort(values.begin(), values.end());
-  return Interval{quantile(values, kIntervalTail), quantile(values, 1 - kIntervalTail)};
+  return Interval{quantile_of(values, kIntervalTail), quantile_of(values, 1 - kIntervalTail)};
 }
 
 }  // namespace koksma

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "estimate/quantile.hpp"
 #include "estimate/stopping.hpp"
 #include "estimate/timed_launches.hpp"
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "estimate/quantile.hpp"
+
 namespace koksma {
 namespace {
 
@@ -11,13 +13,6 @@ constexpr double kRepeatSeconds = 0.020, kMostSeconds = 0.060;
 constexpr std::size_t kLeastLaunches = 3;
 
 }  // namespace
-
-double quantile_of(const std::vector<double>& sorted, double p) {
-  const double position = p * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(position);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (position - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
 
 TimeStatistics summarise_times(std::vector<double> times) {
   std::sort(times.begin(), times.end());

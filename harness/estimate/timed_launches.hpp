@@ -16,8 +16,6 @@ namespace koksma {
 
 // Median, minimum and interquartile range of at least one time.
 TimeStatistics summarise_times(std::vector<double> times);
-// The p-quantile of sorted values, linear between neighbours.
-double quantile_of(const std::vector<double>& sorted, double p);
 
 // At most so many launches of a row that is timed by itself.
 inline constexpr std::size_t kLaunchesAlone = 5;

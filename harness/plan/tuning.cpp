@@ -25,12 +25,6 @@ std::uint64_t bytes_per_lane(const ShapeNeeds& needs) {
   return std::max<std::uint64_t>(kept * std::uint64_t{needs.dim} * size, 1);
 }
 
-bool same_shape(const LaunchShape& a, const LaunchShape& b) {
-  return a.lanes_per_item == b.lanes_per_item && a.local_size == b.local_size &&
-         a.items_per_launch.value_or(kItemsPerLaunch) ==
-             b.items_per_launch.value_or(kItemsPerLaunch);
-}
-
 bool is_allowed(const LaunchShape& shape, const LaunchShape& usual, const DeviceFacts& device,
                 const ShapeNeeds& needs) {
   const bool same_bits = needs.integrand->exact_operations ||
@@ -63,6 +57,12 @@ double log_gain(const std::vector<const TimedShape*>& timed, const LaunchShape& 
 }
 
 }  // namespace
+
+bool same_shape(const LaunchShape& a, const LaunchShape& b) {
+  return a.lanes_per_item == b.lanes_per_item && a.local_size == b.local_size &&
+         a.items_per_launch.value_or(kItemsPerLaunch) ==
+             b.items_per_launch.value_or(kItemsPerLaunch);
+}
 
 LaunchShape default_shape(const DeviceFacts& device, const ShapeNeeds& needs) {
   const std::uint64_t lane_bytes = bytes_per_lane(needs), least = needs.least_lanes;

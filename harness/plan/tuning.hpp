@@ -44,6 +44,9 @@ struct ShapeChoice {
 // per word, enough items for any device.
 inline constexpr std::uint64_t kItemsPerLaunch = std::uint64_t{1} << 13;
 
+// Whether both launch alike, whatever their blocks.
+bool same_shape(const LaunchShape& a, const LaunchShape& b);
+
 // The default shape: a CPU runs one wide item per group; a GPU runs the narrowest items, as many
 // per group as private memory allows. UnsupportedError where not even the narrowest fits.
 LaunchShape default_shape(const DeviceFacts& device, const ShapeNeeds& needs);

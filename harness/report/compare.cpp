@@ -19,13 +19,6 @@ namespace {
 constexpr double kOfMedian = 1.2533141373155;
 constexpr std::size_t kLevels = 3;  // rows, cells, the study: alpha is shared by them
 
-std::string name_of(const Json& cell) {
-  return fmt::format("{} {} {} {} {}", cell["scene"]["text"].get<std::string>(),
-                     cell["sampler"].get<std::string>(), cell["estimator"].get<std::string>(),
-                     cell["precision"].is_string() ? cell["precision"].get<std::string>() : "-",
-                     cell["sum"].get<std::string>());
-}
-
 std::string key_of(const Json& cell, const Json& precision) {
   std::string key;
   const Json& scene = cell["scene"];
@@ -95,6 +88,14 @@ std::map<const Json*, const Json*> paired(const Json& base, const Json& now) {
   return partner;
 }
 
+// Why a cell with a stop rule, as was asked for, did not go on to n samples; else "".
+std::string stopped_before(const Json& cell, std::uint64_t n) {
+  const Json& stopped = cell["stopped"];
+  if (!stopped.is_object() || n <= stopped["at_n"].get<std::uint64_t>()) return "";
+  if (stopped["by"] != "until" && stopped["by"] != "time-budget") return "";
+  return fmt::format("not run: {}", stopped["reason"].get<std::string>());
+}
+
 // Everything of one comparison; the tests are made once all rows are known, among which the error
 // probability is shared.
 class Comparer {
@@ -110,7 +111,7 @@ class Comparer {
     for (const Json& cell : now["cells"])
       if (std::none_of(partner.begin(), partner.end(),
                        [&](const auto& pair) { return pair.second == &cell; }))
-        result_.cells.push_back({name_of(cell), CellState::added, cell["reason"], {}, {}});
+        result_.cells.push_back({cell_name(cell, ' '), CellState::added, cell["reason"], {}, {}});
   }
 
   Comparison finish() {
@@ -130,7 +131,7 @@ class Comparer {
 
   void add(const Json& base, const Json* now) {
     CellChange cell;
-    cell.name = name_of(base);
+    cell.name = cell_name(base, ' ');
     const bool was_ok = base["status"] == "ok";
     if (now == nullptr) {
       cell.state = was_ok ? CellState::vanished : CellState::idle;
@@ -155,8 +156,9 @@ class Comparer {
       const auto other = std::find_if(now["rows"].begin(), now["rows"].end(),
                                       [&](const Json& r) { return r["n"] == row["n"]; });
       if (other == now["rows"].end()) {
-        change.vanished = "the row is not in the new results";
-        change.time.reason = change.error.reason = change.vanished;
+        const std::string stopped = stopped_before(now, change.n);
+        if (stopped.empty()) change.vanished = "the row is not in the new results";
+        change.time.reason = change.error.reason = stopped.empty() ? change.vanished : stopped;
       } else {
         pairs_.push_back({result_.cells.size() - 1,
                           cell.rows.size(),

@@ -4,7 +4,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
-#include "estimate/timed_launches.hpp"
+#include "estimate/quantile.hpp"
 
 namespace koksma {
 namespace {

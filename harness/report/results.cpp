@@ -1,12 +1,13 @@
 #include "report/results.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <array>
 #include <cstdlib>
-#include <ctime>
 
 #include "catalog/embedded.hpp"
+#include "catalog/utc.hpp"
 #include "journal/journal.hpp"
 #include "report/build_info.hpp"
 #include "report/error_time.hpp"
@@ -14,21 +15,20 @@
 namespace koksma {
 namespace {
 
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text.data();
-}
-
 std::string host_name() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
 }  // namespace
+
+std::string cell_name(const Json& cell, char between) {
+  const std::string precision = cell["precision"].is_string() ? cell["precision"] : Json("-");
+  return fmt::format("{1}{0}{2}{0}{3}{0}{4}{0}{5}", between,
+                     cell["scene"]["text"].get<std::string>(), cell["sampler"].get<std::string>(),
+                     cell["estimator"].get<std::string>(), precision,
+                     cell["sum"].get<std::string>());
+}
 
 Json make_context(const DeviceFacts& device, const Study& study, const std::string& command_line) {
   const BuildInfo build = build_info();

@@ -22,6 +22,9 @@ Json resume_context(const Json& context);
 // {schema_version, context, cells, scenes}, the cells compared with each other.
 Json make_results(const Json& context, const Json& cells);
 
+// Scene, sampler, estimator, precision ("-": not known) and sum of a cell in results.
+std::string cell_name(const Json& cell, char between);
+
 // Checks and writes; InputError when the path cannot be written or the
 // schema does not hold.
 void write_results(const Json& results, const std::string& path);

@@ -7,19 +7,13 @@
 #include <utility>
 
 #include "error/error.hpp"
+#include "report/results.hpp"
 
 namespace koksma {
 namespace {
 
-std::string cell_name(const Json& cell) {
-  return fmt::format("{}/{}/{}/{}/{}", cell["scene"]["text"].get<std::string>(),
-                     cell["sampler"].get<std::string>(), cell["estimator"].get<std::string>(),
-                     cell["precision"].is_string() ? cell["precision"].get<std::string>() : "-",
-                     cell["sum"].get<std::string>());
-}
-
 std::string row_name(const Json& cell, const Json& row) {
-  return fmt::format("{}/n:{}", cell_name(cell), row["n"].get<std::uint64_t>());
+  return fmt::format("{}/n:{}", cell_name(cell, '/'), row["n"].get<std::uint64_t>());
 }
 
 Json benchmark_entry(const std::string& name, std::size_t family) {
@@ -95,7 +89,7 @@ Json google_benchmark_json(const Json& results) {
     for (const Json& row : cell["rows"])
       json["benchmarks"].push_back(benchmark_of_row(cell, row, family, place++));
     if (cell["status"] != "ok") {
-      Json entry = benchmark_entry(cell_name(cell), family);
+      Json entry = benchmark_entry(cell_name(cell, '/'), family);
       entry["error_occurred"] = true;
       entry["error_message"] = fmt::format("{}: {}", cell["status"].get<std::string>(),
                                            cell["reason"].get<std::string>());
