@@ -187,7 +187,8 @@ TEST_CASE("a stop rule that can not be meant is told with its place", "[unit]") 
   for (const char* flag : {"--until 0", "--until x", "--time-budget -1"}) {
     const auto run = test::run_command("run " + kCell + "--sampler random " + flag);
     CHECK(run.status == 2);
-    CHECK_THAT(run.output, Contains(std::string(flag).substr(0, std::string(flag).find(' '))));
+    CHECK_THAT(run.output, Contains(std::string(flag).substr(0, std::string(flag).find(' '))) &&
+                               Contains("allowed is a finite number above 0"));
   }
 }
 

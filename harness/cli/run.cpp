@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -273,6 +274,17 @@ int run(const RunOptions& options, const std::string& command_line) {
   return work.failed() ? kCellFailed : kAllOk;
 }
 
+// CLI11's own says "not in range" up to the largest double, digit by digit.
+CLI::Validator above_zero() {
+  return {[](std::string& text) {
+            double value = 0;
+            const bool is_number = CLI::detail::lexical_cast(text, value);
+            if (is_number && value > 0 && std::isfinite(value)) return std::string();
+            return fmt::format("found '{}', allowed is a finite number above 0", text);
+          },
+          ""};
+}
+
 }  // namespace
 
 void add_run(CLI::App& app, Action& action, const std::string& command_line) {
@@ -303,12 +315,12 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
                    "seconds per cell: N goes up, beyond --n too, until the next row would exceed "
                    "them; no row is cut")
       ->option_text("SECONDS")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   verb->add_option("--until", options->flags.until,
                    "stop a cell at this RMSE relative to |I| (absolute where I = 0); N goes up, "
                    "beyond --n too, until it is reached")
       ->option_text("RELERR")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   verb->add_option("--device", options->device,
                    "P:D or part of a name (see koksma list devices); default: PoCL");
   verb->add_option("--out", options->out, "results file; default: results/latest.json")

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "device/arguments.hpp"
 #include "device/prepare.hpp"
 #include "error/error.hpp"
 #include "plan/instrument.hpp"
@@ -11,7 +12,6 @@
 namespace koksma {
 namespace {
 
-constexpr std::uint32_t kLanes = 16;
 constexpr std::uint64_t kMostSteps = 64;
 
 double total(const OperationCount& count, double OperationRow::*slot) {

@@ -9,6 +9,7 @@
 
 #include "catalog/embedded.hpp"
 #include "catalog/utc.hpp"
+#include "device/arguments.hpp"
 #include "device/exact.hpp"
 #include "device/integrator.hpp"
 #include "error/error.hpp"
@@ -17,7 +18,6 @@ namespace koksma {
 namespace {
 
 constexpr const char* kWorkPath = "harness/device/tune.json";
-constexpr std::uint32_t kLanes = 16;
 // Turns of every shape: as many as begin within this time, in these bounds.
 constexpr int kLeastTurns = 9, kMostTurns = 25;
 constexpr double kSeconds = 2;

@@ -25,17 +25,17 @@ struct LatticePoints {
   }
 
   State seek(std::uint64_t first, std::uint32_t replicate, std::uint32_t lane) const {
-    const std::uint32_t vector = replicate * table[5], odd = static_cast<std::uint32_t>(first >> 4);
+    const std::size_t vector = std::size_t{replicate} * table[5], odd = first >> 4 & 1;
     const std::uint32_t* columns = table + table[1] + vector;
-    const std::uint32_t* lanes = table + table[3] + vector + lane + (odd & 1) * kDim * kLanes;
-    const std::uint32_t* starts = table + table[4] + replicate * table[0];
+    const std::uint32_t* lanes = table + table[3] + vector + lane + odd * kDim * kLanes;
+    const std::uint32_t* starts = table + table[4] + std::size_t{replicate} * table[0];
     State state;
     state.steps = table + table[2] + vector + lane;
     const std::uint64_t gray = first ^ first >> 1;
-    for (std::uint32_t d = 0; d < kDim; ++d) {
+    for (std::size_t d = 0; d < kDim; ++d) {
       std::uint32_t shared = starts[d];
       for (std::uint32_t k = 4; gray >> k != 0; ++k)
-        if ((gray >> k & 1) != 0) shared += columns[(k - 4) * kDim + d];
+        if ((gray >> k & 1) != 0) shared += columns[std::size_t{k - 4} * kDim + d];
       state.at[d] =
           _mm256_add_epi32(load(lanes + d * kLanes), _mm256_set1_epi32(static_cast<int>(shared)));
     }
@@ -45,15 +45,15 @@ struct LatticePoints {
   static void step(State& state, std::uint32_t j) {
     const auto c = static_cast<std::uint32_t>(__builtin_ctz(j));
     const std::uint32_t comes = 1 - (j >> c >> 1 & 1);
-    const std::uint32_t* words = state.steps + (c * 2 + comes) * kDim * kLanes;
-    for (std::uint32_t d = 0; d < kDim; ++d)
+    const std::uint32_t* words = state.steps + std::size_t{c * 2 + comes} * kDim * kLanes;
+    for (std::size_t d = 0; d < kDim; ++d)
       state.at[d] = _mm256_add_epi32(state.at[d], load(words + d * kLanes));
   }
 
   Coordinates<Fp32, kDim> draw(const State& state) const {
     const __m256 scale = _mm256_set1_ps(0x1p-32F);
     Coordinates<Fp32, kDim> x;
-    for (std::uint32_t d = 0; d < kDim; ++d)
+    for (std::size_t d = 0; d < kDim; ++d)
       x.at[d] = _mm256_fmadd_ps(_mm256_cvtepi32_ps(state.at[d]), scale, centre);
     return x;
   }

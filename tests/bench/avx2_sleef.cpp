@@ -17,7 +17,7 @@ struct ExpSum {
 
   explicit ExpSum(const LimitWork& work)
       : factor(_mm256_set1_ps(static_cast<float>(work.coefficients[1]))) {
-    for (std::uint32_t d = 0; d < kDim; ++d)
+    for (std::size_t d = 0; d < kDim; ++d)
       c[d] = _mm256_set1_ps(static_cast<float>(work.coefficients[2 * d]));
   }
   __m256 argument(const Coordinates<Fp32, kDim>& x) const {
