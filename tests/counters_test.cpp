@@ -146,7 +146,7 @@ void check_counts(const Counters& seen, const Counters& expected) {
   CHECK(seen.max_abs == expected.max_abs);
 }
 
-std::vector<double> drawn(std::uint64_t n, std::uint32_t replicates, Precision precision) {
+std::vector<double> drawn_values(std::uint64_t n, std::uint32_t replicates, Precision precision) {
   std::vector<double> values;
   for (std::uint32_t r = 0; r < replicates; ++r)
     for (const double x : test::points(
@@ -174,7 +174,7 @@ TEST_CASE("values are counted by their bits, at every width and precision, relax
           "[device]") {
   for (const Precision precision : kPrecisions) {
     for (const std::uint64_t n : {1ULL, 3ULL, 37ULL, 255ULL, 1001ULL}) {
-      const Counters expected = expected_of(drawn(n, 5, precision), precision);
+      const Counters expected = expected_of(drawn_values(n, 5, precision), precision);
       if (n == 1001) {
         // Every kind is there.
         CHECK((expected.nan > 900 && expected.plus_inf > 200 && expected.minus_inf > 200));
@@ -196,7 +196,7 @@ TEST_CASE("counters are the same for every launch split, and the counts for ever
   constexpr std::uint64_t n = 4099;
   for (const Precision precision : kPrecisions) {
     const Counters whole = count(own().plan(n, 5, precision, {16, 1, {}, {}}));
-    check_counts(whole, expected_of(drawn(n, 5, precision), precision));
+    check_counts(whole, expected_of(drawn_values(n, 5, precision), precision));
     for (const std::uint64_t items : {1ULL, 4ULL, 7ULL, 33ULL}) {
       const Counters split = count(own().plan(n, 5, precision, {16, 1, {}, items}));
       INFO(precision_name(precision) << " items " << items);
@@ -219,7 +219,7 @@ TEST_CASE("sums of sizes take the finite values, in a unit in which squares stay
   const Counters scaled = count(own().plan(n, 1, Precision::fp64, {16, 1, {}, {}}), huge);
   CHECK(scaled.unit == 0x1p1022);
   double sum = 0, squares = 0;
-  for (const double f : drawn(n, 1, Precision::fp64)) {
+  for (const double f : drawn_values(n, 1, Precision::fp64)) {
     if (!std::isfinite(f)) continue;
     sum += std::fabs(f) * 0x1p-1022;
     squares += (f * 0x1p-1022) * (f * 0x1p-1022);
@@ -229,7 +229,7 @@ TEST_CASE("sums of sizes take the finite values, in a unit in which squares stay
   // fp32 samples are squared in fp64.
   const Counters narrow = count(own().plan(n, 1, Precision::fp32, {16, 1, {}, {}}));
   sum = squares = 0;
-  for (const double f : drawn(n, 1, Precision::fp32)) {
+  for (const double f : drawn_values(n, 1, Precision::fp32)) {
     if (!std::isfinite(f)) continue;
     sum += std::fabs(f);
     squares += f * f;
@@ -341,7 +341,7 @@ TEST_CASE("a limit that the precision can not hold is the nearest normal number 
     const double least = precision == Precision::fp64 ? std::numeric_limits<double>::min()
                                                       : double{std::numeric_limits<float>::min()};
     std::uint64_t above = 0;
-    for (const double f : drawn(1001, 1, precision)) above += std::fabs(f) > least ? 1 : 0;
+    for (const double f : drawn_values(1001, 1, precision)) above += std::fabs(f) > least ? 1 : 0;
     CHECK(blow_ups(0, precision).blow_ups == above);
   }
 }

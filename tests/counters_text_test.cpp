@@ -13,14 +13,15 @@ using test::cell;
 
 namespace {
 
-Plan plan_of(const std::string& sampler, const PlanOptions& options = {}) {
+Plan plan_counted(const std::string& sampler, const PlanOptions& options = {}) {
   return make_plan(test::catalog(), cell("linear-prod:d=3", sampler, 256), DeviceFacts{}, "",
                    options);
 }
 
 // Of all pieces as they are written: pruning takes out more of some than of others.
 std::string program(const std::string& sampler, const PlanOptions& options = {}) {
-  return compose_whole(test::catalog(), plan_of(sampler, options), ProgramKind::integrate).text;
+  return compose_whole(test::catalog(), plan_counted(sampler, options), ProgramKind::integrate)
+      .text;
 }
 
 PlanOptions counting() {
@@ -89,7 +90,7 @@ TEST_CASE("without counters the integration kernel is the code it is without the
     CHECK(text.find("kernels/counters.cl") == std::string::npos);
     CHECK(text.find("watched_") == std::string::npos);
     CHECK(text.find("#define KOKSMA_COUNTERS") == std::string::npos);
-    CHECK(code_of(plan_of(sampler).program.text).find("KOKSMA_COUNTERS") == std::string::npos);
+    CHECK(code_of(plan_counted(sampler).program.text).find("KOKSMA_COUNTERS") == std::string::npos);
   }
 }
 
@@ -117,7 +118,7 @@ TEST_CASE("the program built after a fault is that of a plan with counters", "[u
   const Cell c = cell("linear-prod:d=3", "sobol-owen", 256);
   const Plan plan = make_plan(test::catalog(), c, DeviceFacts{});
   CHECK(counting_program(test::catalog(), plan).text ==
-        plan_of("sobol-owen", counting()).program.text);
+        plan_counted("sobol-owen", counting()).program.text);
   const auto notes = [](const Plan& p) {
     return std::count_if(p.left_out.begin(), p.left_out.end(), [](const LeftOut& item) {
       return item.what == "counters of exceptional samples";

@@ -10,16 +10,18 @@
 #include <vector>
 
 #include "estimate/exact_sum.hpp"
+#include "tests/numbers.hpp"
 
 namespace koksma {
 namespace {
+
+using test::kInfinity;
+using test::kNan;
 
 __extension__ using Quad = __float128;
 
 constexpr double kMax = std::numeric_limits<double>::max();
 constexpr double kTiny = std::numeric_limits<double>::denorm_min();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 double sum_of(const std::vector<double>& terms) {
   ExactSum sum;

@@ -12,7 +12,7 @@ namespace {
 using Catch::Matchers::Contains;
 
 // A cell without a fault.
-CellFacts sound() {
+CellFacts faultless() {
   CellFacts facts;
   facts.mean = 1;
   facts.mean_abs = 1;
@@ -27,7 +27,7 @@ CellFacts sound() {
 TEST_CASE("an integrator is unstable where a sample leaves the bound of the true solution",
           "[unit][estimate]") {
   const auto verdict_of = [](const CellFacts& facts) { return decide_verdict(facts, 1).verdict; };
-  CellFacts facts = sound();
+  CellFacts facts = faultless();
   facts.ode = true;
   facts.bound = 2;
   facts.largest = 20;
@@ -51,7 +51,7 @@ TEST_CASE("an integrator is unstable where a sample leaves the bound of the true
 TEST_CASE("what is no number, out of range or not used once is a fault of the domain",
           "[unit][estimate]") {
   const auto fault = [](const std::function<void(CellFacts&)>& change, const std::string& why) {
-    CellFacts facts = sound();
+    CellFacts facts = faultless();
     facts.n_eff = 1;
     change(facts);
     const CellVerdict verdict = decide_verdict(facts, 1);
@@ -63,13 +63,13 @@ TEST_CASE("what is no number, out of range or not used once is a fault of the do
   fault([](CellFacts& f) { f.nonfinite_replicates = 1; }, "sums of 1 replicates");
   fault([](CellFacts& f) { f.out_of_range = 1; }, "outside the range");
   fault([](CellFacts& f) { f.index_fault = true; }, "not used exactly once");
-  CellFacts counted = sound();
+  CellFacts counted = faultless();
   counted.out_of_range = 0;
   CHECK(decide_verdict(counted, 1).verdict == "OK");
 }
 
 TEST_CASE("samples that were counted decide where the exact moments do not", "[unit][estimate]") {
-  CellFacts facts = sound();
+  CellFacts facts = faultless();
   facts.empirical_n_eff = 29;
   CHECK(decide_verdict(facts, 1).verdict == "UNRESOLVED");
   CHECK_THAT(decide_verdict(facts, 1).reason, Contains("of the samples"));
@@ -83,7 +83,7 @@ TEST_CASE("samples that were counted decide where the exact moments do not", "[u
 }
 
 TEST_CASE("OVERFLOW stands beside any verdict", "[unit][estimate]") {
-  CellFacts facts = sound();
+  CellFacts facts = faultless();
   CHECK(decide_verdict(facts, 1).marks.empty());
   facts.overflows = true;
   for (const bool fault : {false, true}) {

@@ -12,25 +12,25 @@ namespace koksma {
 namespace {
 
 // z = -100 … 0 at 100 steps, as page 5 has the test equation of Dahlquist.
-constexpr double kIntegral = 1e-4;
+constexpr double kOdeIntegral = 1e-4;
 
 // A cell of which everything is made up but the plan.
-struct Made {
+struct MadeOde {
   Plan plan = make_plan(test::catalog(), test::cell("linear-prod:d=1", "sobol-owen", 256, 32), {});
   Integrand integrand = *plan.integrand;
   ExactValues exact;
   Kurtosis kurtosis;
   CellResult result;
 
-  Made() {
+  MadeOde() {
     integrand.ode_size = 1;
     plan.integrand = &integrand;
     plan.cell.replicates = 32;
-    exact.mean = exact.mean_abs = kIntegral;
+    exact.mean = exact.mean_abs = kOdeIntegral;
     exact.variance = 4e-5;
   }
-  Made(const Made&) = delete;
-  Made& operator=(const Made&) = delete;
+  MadeOde(const MadeOde&) = delete;
+  MadeOde& operator=(const MadeOde&) = delete;
 
   // Rows of N = 2^12 … 2^20 about `centre`, converging like N^-1.
   void run(double centre, double size) {
@@ -104,63 +104,63 @@ TEST_CASE(
 
 TEST_CASE("a scheme that is far off but stable ends at a numeric plateau of its integrator",
           "[unit][estimate]") {
-  Made trapezoid;
-  trapezoid.exact.discrete_mean = trapezoid.exact.discrete_mean_abs = 33 * kIntegral;
+  MadeOde trapezoid;
+  trapezoid.exact.discrete_mean = trapezoid.exact.discrete_mean_abs = 33 * kOdeIntegral;
   trapezoid.exact.discrete_variance = 1e-4;
   trapezoid.exact.bound = 1;
-  trapezoid.run(33 * kIntegral, 1e-4);
+  trapezoid.run(33 * kOdeIntegral, 1e-4);
   const CellResult& result = trapezoid.result;
   INFO(result.stability.reason);
   CHECK(result.stability.verdict == "PLATEAU_NUMERIC");
   CHECK_THAT(result.stability.reason, Catch::Contains("integrator"));
   CHECK(result.floors.dominant() == "integrator");
   CHECK(result.rate.used.empty());
-  CHECK(*result.ode->integrator_bias == Approx(32 * kIntegral));
+  CHECK(*result.ode->integrator_bias == Approx(32 * kOdeIntegral));
   CHECK(*result.ode->sampling_rmse < 1e-5);
-  CHECK(*result.ode->total_rmse == Approx(32 * kIntegral).epsilon(0.01));
+  CHECK(*result.ode->total_rmse == Approx(32 * kOdeIntegral).epsilon(0.01));
 }
 
 TEST_CASE("a small bias of the integrator is reported and no fault", "[unit][estimate]") {
-  Made backward;
-  backward.exact.discrete_mean = backward.exact.discrete_mean_abs = 1.01 * kIntegral;
+  MadeOde backward;
+  backward.exact.discrete_mean = backward.exact.discrete_mean_abs = 1.01 * kOdeIntegral;
   backward.exact.discrete_variance = 4e-5;
   // At 2^20 the sampling error is a tenth of the bias: the curve is not flat yet.
-  backward.run(1.01 * kIntegral, 256e-7);
+  backward.run(1.01 * kOdeIntegral, 256e-7);
   const CellResult& result = backward.result;
   INFO(result.stability.reason);
   CHECK(result.stability.verdict == "OK");
   CHECK_THAT(result.stability.reason, Catch::Contains("the bias is that of the floor, integrator"));
-  CHECK(*result.ode->integrator_bias == Approx(0.01 * kIntegral));
+  CHECK(*result.ode->integrator_bias == Approx(0.01 * kOdeIntegral));
 }
 
 TEST_CASE("a bias that is the same at half of N is the integrator's where its mean is not known",
           "[unit][estimate]") {
-  Made unknown;
-  unknown.run(1.02 * kIntegral, 64e-7);
+  MadeOde unknown;
+  unknown.run(1.02 * kOdeIntegral, 64e-7);
   INFO(unknown.result.stability.reason);
   CHECK(unknown.result.floors.dominant() == "integrator");
-  CHECK(*unknown.result.floors.integrator.estimate == Approx(0.02 * kIntegral).epsilon(0.1));
+  CHECK(*unknown.result.floors.integrator.estimate == Approx(0.02 * kOdeIntegral).epsilon(0.1));
   CHECK((unknown.result.stability.verdict == "OK" ||
          unknown.result.stability.verdict == "PLATEAU_NUMERIC"));
   // The same estimates of an f that solves nothing are biased.
-  Made plain;
+  MadeOde plain;
   plain.integrand.ode_size = 0;
-  plain.run(1.02 * kIntegral, 64e-7);
+  plain.run(1.02 * kOdeIntegral, 64e-7);
   CHECK((plain.result.stability.verdict == "BIASED" ||
          plain.result.stability.verdict == "PLATEAU_STRUCTURAL"));
   CHECK_FALSE(plain.result.ode);
 }
 
 TEST_CASE("moments of the numerical solution decide what is resolved", "[unit][estimate]") {
-  Made rare;
-  rare.exact.discrete_mean = rare.exact.discrete_mean_abs = kIntegral;
+  MadeOde rare;
+  rare.exact.discrete_mean = rare.exact.discrete_mean_abs = kOdeIntegral;
   rare.exact.discrete_variance = 1;  // n_eff = 2^20 1e-8
-  rare.run(kIntegral, 1e-6);
+  rare.run(kOdeIntegral, 1e-6);
   CHECK(rare.result.stability.verdict == "UNRESOLVED");
   CHECK(*rare.result.stability.n_eff == Approx(0x1p20 * 1e-8).epsilon(1e-6));
-  Made overflowing;
+  MadeOde overflowing;
   overflowing.exact.discrete_overflows = true;
-  overflowing.run(kIntegral, 1e-6);
+  overflowing.run(kOdeIntegral, 1e-6);
   CHECK(overflowing.result.stability.verdict == "UNRESOLVED");
   REQUIRE(overflowing.result.stability.marks.size() == 1);
   CHECK(overflowing.result.stability.marks[0] == "OVERFLOW");

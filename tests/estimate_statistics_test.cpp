@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "estimate/statistics.hpp"
+#include "tests/numbers.hpp"
 
 namespace koksma {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
 
 std::vector<double> normal_values(std::mt19937_64& engine, std::size_t size, double mean = 0) {
   std::normal_distribution<double> normal(mean, 1);

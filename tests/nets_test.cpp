@@ -12,15 +12,15 @@
 
 #include "points/kronecker.hpp"
 #include "points/matrices.hpp"
+#include "tests/numbers.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
 using Catch::Contains;
 using koksma::test::points;
+using koksma::test::word52;
 
 namespace {
-
-std::uint64_t word52(double x) { return static_cast<std::uint64_t>(std::ldexp(x, 52)); }
 
 // The text of matrices in LDData's dnet format, 32 bits.
 std::string dnet(const GeneratingMatrices& m) {

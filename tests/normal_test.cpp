@@ -62,15 +62,15 @@ const std::vector<float>& fp32_points() {
 }
 
 // The points of tests/normal_reference.json, padded by 1/4 to whole vectors, and their quantiles.
-struct Reference {
+struct ReferenceNormal {
   std::vector<double> x;
   std::vector<long double> quantile;
 };
 
-Reference fp64_reference() {
+ReferenceNormal fp64_reference() {
   const Json file =
       parse_json(test::repository_file("tests/normal_reference.json"), "normal_reference.json");
-  Reference reference;
+  ReferenceNormal reference;
   for (const Json& row : file["quantiles"]) {
     reference.x.push_back(std::stod(row[0].get<std::string>()));
     reference.quantile.push_back(std::stold(row[1].get<std::string>()));
@@ -114,7 +114,7 @@ TEST_CASE("in fp32 the normal quantile is within 4 ulp of Boost's at every fifth
 }
 
 TEST_CASE("in fp64 the normal quantile is within 4 ulp of the 27-digit values", "[device]") {
-  const Reference reference = fp64_reference();
+  const ReferenceNormal reference = fp64_reference();
   const std::vector<double> value = quantiles(reference.x, 16);
   CHECK(reference.quantile.size() >= 600);
   for (std::size_t i = 0; i < reference.quantile.size(); ++i) {
@@ -133,7 +133,7 @@ TEST_CASE("the normal quantile is odd about 1/2 bit for bit and, in fp32, never 
   CHECK(std::is_sorted(lower.begin(), lower.end()));
   CHECK(lower.back() < 0);
 
-  const Reference reference = fp64_reference();
+  const ReferenceNormal reference = fp64_reference();
   const std::vector<double> below = quantiles(reference.x, 16);
   const std::vector<double> above = quantiles(mirrored(reference.x), 16);
   for (std::size_t i = 0; i < below.size(); ++i) CHECK(below[i] == -above[i]);

@@ -14,7 +14,7 @@ using test::CommandResult;
 namespace {
 
 // The sum of the coordinates, `kernel` its body's last word; the entry's `exact` and `checks`.
-struct OwnPair {
+struct OwnFiles {
   test::TemporaryFolder folder;
   std::string exact_code =
       "static double exact_mean(params q, uint d) { return d / 2.0; }\n"
@@ -74,7 +74,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 }  // namespace
 
 TEST_CASE("a good pair runs; of what is exact only the mean must be said", "[device]") {
-  OwnPair own;
+  OwnFiles own;
   own.set_check("1", "\"0.16666666666666666666\"");
   const auto full = own.run();
   INFO(full.output);
@@ -88,14 +88,14 @@ TEST_CASE("a good pair runs; of what is exact only the mean must be said", "[dev
 
 TEST_CASE("a kernel that draws another number of coordinates than the scene has is refused",
           "[device]") {
-  OwnPair own;
+  OwnFiles own;
   own.draws = "KOKSMA_DIM + 3";
   own.check_refused({"mine.cl", "draws 5 coordinates", "d = 2"});
 }
 
 TEST_CASE("a mistake that the compiler finds is told once, by file and line", "[device]") {
   const auto [exact, line] = GENERATE(table<bool, int>({{true, 2}, {false, 8}}));
-  OwnPair own;
+  OwnFiles own;
   // A Latin-1 byte beside the mistake: what compilers quote need not be UTF-8.
   if (exact)
     own.exact_code.replace(own.exact_code.find("d / 2.0"), 7, "two / 2.0 /* \xE9 */");
@@ -109,7 +109,7 @@ TEST_CASE("a mistake that the compiler finds is told once, by file and line", "[
 }
 
 TEST_CASE("a function that the entry promises and the code lacks is told by both files", "[unit]") {
-  OwnPair own;
+  OwnFiles own;
   own.exact_code = "static double exact_variance(params q, uint d) { return d / 12.0; }\n";
   const std::string code = own.folder.path("mine.cl"), json = own.folder.path("mine.json");
   own.check_refused(
@@ -122,7 +122,7 @@ TEST_CASE("a function that the entry promises and the code lacks is told by both
 }
 
 TEST_CASE("a formula that gives no number is an error, not an unknown integral", "[device]") {
-  OwnPair own;
+  OwnFiles own;
   const std::string number = GENERATE("NAN", "INFINITY", "-INFINITY");
   // At d = 2 only, which is the scene's.
   own.exact_code =
@@ -139,7 +139,7 @@ TEST_CASE("a formula that gives no number is an error, not an unknown integral",
 
 TEST_CASE("the mean and the variance must agree with the entry's own checks, relative to them",
           "[device]") {
-  OwnPair own;
+  OwnFiles own;
   own.set_check("0.75", "null");
   own.check_refused({"mine.cl: exact_mean gives 1 at d = 2", "0.75"});
   own.set_check("1", "\"0.17\"");

@@ -37,7 +37,7 @@ std::vector<std::string> prepared_samplers() {
   return names;
 }
 
-Plan plan_of(const std::string& sampler, std::uint64_t seed = 1) {
+Plan plan_prepared(const std::string& sampler, std::uint64_t seed = 1) {
   return make_points_plan(test::catalog(), sampler, 2, Precision::fp64, 256, 1, seed,
                           test::device().facts());
 }
@@ -64,7 +64,7 @@ TEST_CASE("best candidates are Mitchell's: the farthest of n + 1, by brute force
       const std::uint64_t d = std::min(a - b, b - a);
       return d * d;
     };
-    const Plan plan = plan_of("best-candidate:points=256", seed);
+    const Plan plan = plan_prepared("best-candidate:points=256", seed);
     fresh_table(plan);
     const std::vector<double>& set = *test::device().prepared().begin()->second;
     std::vector<std::array<std::uint32_t, 2>> expected;
@@ -93,9 +93,9 @@ TEST_CASE("a prepared set is the same for every work-group size, and another for
   const test::CacheAt cache(folder.path("cache"));
   for (const std::string& name : prepared_samplers()) {
     INFO(name);
-    Plan plan = plan_of(name);
+    Plan plan = plan_prepared(name);
     const auto table = fresh_table(plan);
-    CHECK(table != fresh_table(plan_of(name, 2)));
+    CHECK(table != fresh_table(plan_prepared(name, 2)));
     fs::remove_all(folder.path("cache"));
     PlannedPreparation& preparation = *plan.preparation;
     preparation.local_size = 16;
@@ -112,7 +112,7 @@ TEST_CASE("a set is taken from the cache, and a cached file that is not as writt
   const auto samplers = prepared_samplers();
   REQUIRE(samplers.size() >= 2);
   for (const std::string& name : samplers) {
-    const Plan plan = plan_of(name);
+    const Plan plan = plan_prepared(name);
     const std::string path = cache_file(*plan.preparation);
     INFO(path);
     REQUIRE(path.starts_with(folder.path("cache/koksma/")));
@@ -143,7 +143,7 @@ TEST_CASE("a cache folder that cannot be written, or none at all, is no failure"
   const test::TemporaryFolder folder;
   const std::string name = prepared_samplers().front();
   const test::CacheAt cache(folder.path("cache"));
-  const auto table = fresh_table(plan_of(name));
+  const auto table = fresh_table(plan_prepared(name));
   folder.write("file", "");
   for (const std::string& bad :
        {folder.path("file"), std::string("/proc/nowhere"), std::string("relative")}) {
@@ -152,7 +152,7 @@ TEST_CASE("a cache folder that cannot be written, or none at all, is no failure"
     const std::string kept = home == nullptr ? "" : home;
     unsetenv("HOME");
     INFO(bad);
-    CHECK(table == fresh_table(plan_of(name)));
+    CHECK(table == fresh_table(plan_prepared(name)));
     if (bad == "relative") CHECK(cache_folder().empty());
     if (home != nullptr) setenv("HOME", kept.c_str(), 1);
   }
@@ -163,7 +163,7 @@ TEST_CASE("a preparation that falls short says so and is not kept", "[device]") 
   const test::TemporaryFolder folder;
   const test::CacheAt cache(folder.path("cache"));
   for (const std::string& name : prepared_samplers()) {
-    Plan plan = plan_of(name);
+    Plan plan = plan_prepared(name);
     // All but the last two launches that add points.
     auto& launches = plan.preparation->work.launches;
     const PreparationLaunch last = launches.back();

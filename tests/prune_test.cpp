@@ -61,7 +61,7 @@ std::map<std::string, int> functions_of(const std::string& text) {
   return functions;
 }
 
-Plan plan_of(const Sampler& sampler, Precision precision) {
+Plan plan_to_prune(const Sampler& sampler, Precision precision) {
   Cell cell = test::cell("linear-prod:d=" + std::to_string(test::usual_dim(sampler)), sampler.name,
                          test::admitted_size(sampler, test::usual_dim(sampler), 256));
   cell.precision = precision;
@@ -147,7 +147,7 @@ TEST_CASE("the program of every sampler holds no function that nothing calls, an
   std::size_t programs = 0, smaller = 0;
   for (const Sampler& sampler : test::samplers_by_kernel())
     for (const Precision precision : test::precisions(sampler)) {
-      const Plan plan = plan_of(sampler, precision);
+      const Plan plan = plan_to_prune(sampler, precision);
       const std::string whole = compose_whole(test::catalog(), plan, ProgramKind::integrate).text;
       const std::string& text = plan.program.text;
       INFO(sampler.name << " " << precision_name(precision));
@@ -170,7 +170,7 @@ TEST_CASE("a plan's text has scrambling, squares, random numbers and counters wh
   std::size_t nested = 0, plain = 0;
   for (const Sampler& sampler : test::samplers_by_kernel()) {
     const std::set<std::string> names =
-        names_of(plan_of(sampler, test::precisions(sampler).front()).program.text);
+        names_of(plan_to_prune(sampler, test::precisions(sampler).front()).program.text);
     INFO(sampler.name);
     const bool owen = sampler.options.value("randomize", "") == "owen";
     if (sampler.family == "digital") CHECK(names.contains("owen_hash") == owen);
@@ -191,7 +191,7 @@ TEST_CASE("tables of nets and lattices grow by one step per doubling of N, from 
     const Sampler sampler = test::catalog().sampler(name, "test");
     for (const std::uint32_t dim : {3U, 20U}) {
       const auto words = [&](std::uint64_t n) {
-        Plan plan = plan_of(sampler, Precision::fp32);
+        Plan plan = plan_to_prune(sampler, Precision::fp32);
         plan.request.dim = dim;
         plan.request.end_index = n;
         return build_point_table(plan).size() / 4;

@@ -11,11 +11,10 @@
 #include <vector>
 
 #include "estimate/assess.hpp"
+#include "tests/numbers.hpp"
 #include "tests/support.hpp"
 
 namespace koksma::test {
-
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Dice {
  public:

@@ -7,9 +7,11 @@
 #include <numeric>
 
 #include "estimate/measure.hpp"
+#include "tests/numbers.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
+using koksma::test::two_sided_chi2;
 
 namespace {
 
@@ -63,12 +65,7 @@ Moments moments_of(const std::string& scene, const std::string& sampler, std::ui
   return {mean, m2, m4 / (m2 * m2)};
 }
 
-double two_sided_chi2(double statistic, double degrees) {
-  const boost::math::chi_squared distribution(degrees);
-  return 2 * std::min(cdf(distribution, statistic), cdf(complement(distribution, statistic)));
-}
-
-const char* const kIdentity = "linear-prod:d=1,scale=1,power=0";  // x + 1/2
+const char* const kIdentityScene = "linear-prod:d=1,scale=1,power=0";  // x + 1/2
 
 }  // namespace
 
@@ -189,7 +186,7 @@ TEST_CASE(
   // whole test below 1e-6.
   const std::uint32_t replicates = 10000;
   for (const std::uint64_t n : {1ULL << 4, 1ULL << 8, 1ULL << 12}) {
-    const Moments m = moments_of(kIdentity, "sobol-owen", n, replicates);
+    const Moments m = moments_of(kIdentityScene, "sobol-owen", n, replicates);
     const double ratio = 12 * std::pow(static_cast<double>(n), 3) * m.variance;
     INFO("N = " << n << ": 12 N^3 Var = " << ratio << ", kurtosis " << m.kurtosis);
     CHECK(two_sided_chi2(ratio * replicates, replicates) > 1e-7);
@@ -202,7 +199,7 @@ TEST_CASE("nested scrambling is uniform in fp32 and in a later dimension too", "
   // Chi-squared at 1e-7 each.
   const std::uint32_t replicates = 2000;
   const std::uint64_t n = 256;
-  Cell cell = test::cell(kIdentity, "sobol-owen", n, replicates);
+  Cell cell = test::cell(kIdentityScene, "sobol-owen", n, replicates);
   cell.precision = Precision::fp32;
   PreparedCell prepared(test::catalog(), test::device(), test::device(),
                         make_plan(test::catalog(), cell, test::device().facts()));

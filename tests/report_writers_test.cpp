@@ -10,7 +10,7 @@ using Catch::Contains;
 
 namespace {
 
-Json recorded() {
+Json recorded_small() {
   return parse_json(test::repository_file("results/default-study.json"), "recorded");
 }
 
@@ -24,7 +24,7 @@ std::size_t rows_of(const Json& results) {
 
 TEST_CASE("Google Benchmark's format has an entry per row, with its times in ns and its counters",
           "[unit]") {
-  Json results = recorded();
+  Json results = recorded_small();
   results["cells"][1]["status"] = "failed";
   results["cells"][1]["reason"] = "out of memory";
   results["cells"][1]["rows"] = Json::array();
@@ -57,7 +57,7 @@ TEST_CASE("Google Benchmark's format has an entry per row, with its times in ns 
 
 TEST_CASE("charts get a time and an error per row, each with name, unit, value, range and extra",
           "[unit]") {
-  const Json results = recorded();
+  const Json results = recorded_small();
   const Json json = chart_json(results);
   CHECK(json.size() > rows_of(results));
   std::set<std::string> names;

@@ -18,8 +18,8 @@ using namespace koksma;
 
 namespace {
 
-constexpr std::size_t kLanes = 16;
-using Lanes = std::array<double, kLanes>;
+constexpr std::size_t kSolverLanes = 16;
+using Lanes = std::array<double, kSolverLanes>;
 
 // Two equations, by `kind`: 0: y' = z y and y' = z/2 y, z given per lane; 1: y' = -2 t y^2 and
 // v' = v y (1 + t^2) cos t from t = 1/4, y = 1 / (1 + t^2), v = exp(sin t); 2: y' = 1 + y^2 twice,
@@ -50,7 +50,7 @@ ProgramSource program(bool fp64) {
   std::string text = fmt::format(
       "#define KOKSMA_LANES_PER_ITEM {}\n#define KOKSMA_FP64 {}\n#define KOKSMA_DIM 1\n"
       "#define KOKSMA_UNROLLED 1\n#define KOKSMA_CENTRED 1\n#define KOKSMA_ODE_SIZE 2\n{}\n",
-      kLanes, fp64 ? 1 : 0, embedded_text("kernels/prelude.cl"));
+      kSolverLanes, fp64 ? 1 : 0, embedded_text("kernels/prelude.cl"));
   // Only one solver is adaptive, so that one least tolerance serves for all.
   for (const Solver& solver : test::catalog().solvers)
     if (solver.adaptive)
@@ -77,7 +77,7 @@ ProgramSource program(bool fp64) {
   return {"the solvers", std::move(text), "-cl-std=CL1.2 -w"};
 }
 
-struct Run {
+struct SolverRun {
   std::size_t solver = 0;
   unsigned kind = 0, steps = 1;
   double tolerance = 1e30;  // adaptive solvers take one step
@@ -85,14 +85,14 @@ struct Run {
 };
 
 // y and v at the ends.
-std::array<Lanes, 2> solve(const Run& run, bool fp64 = true) {
+std::array<Lanes, 2> solve(const SolverRun& run, bool fp64 = true) {
   static std::array<cl::Kernel, 2> kernels;  // by precision; built once
   cl::Kernel& kernel = kernels[fp64 ? 1 : 0];
   if (!kernel()) kernel = cl::Kernel(test::device().build(program(fp64)).program, "solve");
   std::vector<double> in(run.rates.begin(), run.rates.end());
   in.insert(in.end(), run.ends.begin(), run.ends.end());
   const cl::Buffer buffer = test::device().upload_reals(in, fp64);
-  const cl::Buffer out = test::device().allocate(2 * kLanes * sizeof(double));
+  const cl::Buffer out = test::device().allocate(2 * kSolverLanes * sizeof(double));
   kernel.setArg(0, static_cast<cl_uint>(run.solver));
   kernel.setArg(1, cl_uint{run.kind});
   kernel.setArg(2, buffer);
@@ -108,9 +108,10 @@ std::array<Lanes, 2> solve(const Run& run, bool fp64 = true) {
   if (fp64) {
     queue.enqueueReadBuffer(out, CL_TRUE, 0, sizeof(result), result.data());
   } else {
-    std::array<float, 2 * kLanes> narrow{};
+    std::array<float, 2 * kSolverLanes> narrow{};
     queue.enqueueReadBuffer(out, CL_TRUE, 0, sizeof(narrow), narrow.data());
-    for (std::size_t i = 0; i < 2 * kLanes; ++i) result[i / kLanes][i % kLanes] = narrow[i];
+    for (std::size_t i = 0; i < 2 * kSolverLanes; ++i)
+      result[i / kSolverLanes][i % kSolverLanes] = narrow[i];
   }
   return result;
 }
@@ -159,7 +160,7 @@ TEST_CASE("one step of every solver on y' = z y gives its stability function to 
   for (std::size_t k = 0; k < solvers().size(); ++k)
     for (const bool fp64 : {true, false}) {
       const auto y = solve({k, 0, 1, 1e30, z, filled(1)}, fp64);
-      for (std::size_t l = 0; l < kLanes; ++l)
+      for (std::size_t l = 0; l < kSolverLanes; ++l)
         for (const std::size_t half : {0U, 1U}) {
           // The arithmetic is that of the lane's z.
           const double rate = fp64 ? z[l] : static_cast<double>(static_cast<float>(z[l]));
@@ -229,14 +230,14 @@ TEST_CASE("solvers are A-stable and L-stable exactly where they say so", "[devic
 
 TEST_CASE("the value of a lane does not depend on its neighbours, to the last bit", "[device]") {
   Lanes rates{}, ends{};
-  for (std::size_t l = 0; l < kLanes; ++l) {
+  for (std::size_t l = 0; l < kSolverLanes; ++l) {
     rates[l] = -std::pow(10.0, 0.4 * static_cast<double>(l));
     ends[l] = 0.3 + 0.17 * static_cast<double>(l);
   }
   for (std::size_t k = 0; k < solvers().size(); ++k)
     for (const unsigned kind : {0U, 1U}) {
       const auto mixed = solve({k, kind, 23, 1e-6, rates, ends});
-      for (std::size_t l = 0; l < kLanes; ++l) {
+      for (std::size_t l = 0; l < kSolverLanes; ++l) {
         const auto alone = solve({k, kind, 23, 1e-6, filled(rates[l]), filled(ends[l])});
         INFO(solvers()[k].name << " problem " << kind << " lane " << l);
         CHECK((same(mixed[0][l], alone[0][l]) && same(mixed[1][l], alone[1][l])));
@@ -248,12 +249,12 @@ TEST_CASE("a step without a solution ends as NaN in its lane and leaves the othe
           "[device]") {
   // y' = 1 + y^2: no implicit step of 10 has a real solution, and the true one ends at pi/2.
   Lanes ends = filled(0.125);
-  for (std::size_t l = 0; l < kLanes; l += 2) ends[l] = 10;
+  for (std::size_t l = 0; l < kSolverLanes; l += 2) ends[l] = 10;
   for (std::size_t k = 0; k < solvers().size(); ++k) {
     const Solver& solver = solvers()[k];
     const auto mixed = solve({k, 2, 1, 1e-3, {}, ends});
     const auto alone = solve({k, 2, 1, 1e-3, {}, filled(0.125)});
-    for (std::size_t l = 0; l < kLanes; ++l) {
+    for (std::size_t l = 0; l < kSolverLanes; ++l) {
       INFO(solver.name << " lane " << l << ": " << mixed[0][l]);
       if (l % 2 == 1) {
         CHECK(mixed[0][l] == alone[0][l]);

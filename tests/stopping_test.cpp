@@ -20,14 +20,14 @@ namespace {
 
 const std::string kCell = "--scene linear-prod:d=2 --replicates 4 ";
 
-struct RunResult {
+struct StoppedRun {
   test::CommandResult command;
   Json results;
 };
 
-RunResult run_cell(const test::TemporaryFolder& folder, const std::string& arguments) {
+StoppedRun run_cell(const test::TemporaryFolder& folder, const std::string& arguments) {
   const std::string out = folder.path("r.json");
-  RunResult result{test::run_command("run " + arguments + " --out " + out), {}};
+  StoppedRun result{test::run_command("run " + arguments + " --out " + out), {}};
   INFO(result.command.output);
   REQUIRE(result.command.status == 0);
   result.results = Json::parse(read_text_file(out));
@@ -47,7 +47,7 @@ Json numbers_of(const Json& cell) {
   return numbers;
 }
 
-std::string refusal(const Json& study) {
+std::string refusal_of_study(const Json& study) {
   try {
     study_from(test::catalog(), study, "s.json");
   } catch (const InputError& error) {
@@ -176,14 +176,14 @@ TEST_CASE("stop rules are read from the block, else the study, and flags replace
 }
 
 TEST_CASE("a stop rule that can not be meant is told with its place", "[unit]") {
-  CHECK_THAT(refusal(study_with({{"beyond_n", "2^10"}})),
+  CHECK_THAT(refusal_of_study(study_with({{"beyond_n", "2^10"}})),
              Contains("s.json, at '/beyond_n'") && Contains("time_budget or until"));
-  CHECK_THAT(refusal(study_with({{"until", 1e-3}, {"beyond_n", "2^5"}})),
+  CHECK_THAT(refusal_of_study(study_with({{"until", 1e-3}, {"beyond_n", "2^5"}})),
              Contains("below the largest N, 64"));
-  CHECK_THAT(refusal(study_with({{"until", 1e-3}, {"beyond_n", "2^8..2^9"}})),
+  CHECK_THAT(refusal_of_study(study_with({{"until", 1e-3}, {"beyond_n", "2^8..2^9"}})),
              Contains("no single sample count"));
-  CHECK_THAT(refusal(study_with({{"until", 0}})), Contains("/until"));
-  CHECK_THAT(refusal(study_with({{"time_budget", -1}})), Contains("/time_budget"));
+  CHECK_THAT(refusal_of_study(study_with({{"until", 0}})), Contains("/until"));
+  CHECK_THAT(refusal_of_study(study_with({{"time_budget", -1}})), Contains("/time_budget"));
   for (const char* flag : {"--until 0", "--until x", "--time-budget -1"}) {
     const auto run = test::run_command("run " + kCell + "--sampler random " + flag);
     CHECK(run.status == 2);
@@ -228,7 +228,7 @@ TEST_CASE("--until that is never there ends at beyond_n, or with the sampler, an
   const std::string file = folder.write("points.csv", points);
   Json study = study_with({{"until", 1e-12}, {"beyond_n", "2^9"}, {"replicates", 4}});
   study["cells"][0]["samplers"] = {"sobol-owen", "file:path=" + file};
-  const RunResult run = run_cell(folder, folder.write("s.json", study.dump()));
+  const StoppedRun run = run_cell(folder, folder.write("s.json", study.dump()));
   const Json& owen = run.results["cells"][0];
   CHECK(owen["status"] == "ok");
   CHECK(owen["stopped"]["by"] == "beyond-n");

@@ -7,14 +7,16 @@
 #include <map>
 
 #include "catalog/sizes.hpp"
+#include "tests/numbers.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
+using koksma::test::two_sided_chi2;
 using test::has_property;
 
 namespace {
 
-constexpr std::uint32_t kReplicates = 10000;
+constexpr std::uint32_t kStrataReplicates = 10000;
 
 // Sets of n points, one per replicate.
 struct Replicates {
@@ -33,9 +35,9 @@ struct Replicates {
 Replicates draw(const Sampler& s, std::uint32_t dim, std::uint64_t at_least) {
   Replicates result{test::admitted_size(s, dim, at_least), dim, {}};
   const Plan plan = make_points_plan(test::catalog(), s.name, dim, Precision::fp64, result.n,
-                                     kReplicates, 1, test::device().facts());
+                                     kStrataReplicates, 1, test::device().facts());
   PointsDump dump(test::device(), plan);
-  for (std::uint32_t r = 0; r < kReplicates; ++r)
+  for (std::uint32_t r = 0; r < kStrataReplicates; ++r)
     result.sets.push_back(dump.read(0, result.n, result.n, r, 5));
   return result;
 }
@@ -102,11 +104,6 @@ double evenness(const std::vector<double>& counts) {
   return cdf(complement(distribution, statistic));
 }
 
-double two_sided_chi2(double statistic, double degrees) {
-  const boost::math::chi_squared distribution(degrees);
-  return 2 * std::min(cdf(distribution, statistic), cdf(complement(distribution, statistic)));
-}
-
 double mean_error(const Replicates& x, std::uint32_t r, std::size_t d) {
   double sum = 0;
   for (std::size_t i = 0; i < x.n; ++i) sum += x(r, i, d) - 0.5;
@@ -121,7 +118,7 @@ TEST_CASE("every sample by itself is uniform in every dimension", "[statistical]
     for (const std::size_t i : {std::size_t{0}, std::size_t{5}, x.n - 1}) {
       for (std::uint32_t d = 0; d < x.dim; ++d) {
         std::vector<double> counts(32, 0);
-        for (std::uint32_t r = 0; r < kReplicates; ++r) ++counts[x.stratum(r, i, d, 32)];
+        for (std::uint32_t r = 0; r < kStrataReplicates; ++r) ++counts[x.stratum(r, i, d, 32)];
         INFO("sample " << i << " dimension " << d);
         CHECK(evenness(counts) > 1e-8);
       }
@@ -137,7 +134,7 @@ TEST_CASE("dimensions of a sample are independent, within a pair and between pai
       for (std::uint32_t d = 0; d < x.dim; ++d) {
         for (std::uint32_t e = 0; e < d; ++e) {
           std::vector<double> counts(64, 0);
-          for (std::uint32_t r = 0; r < kReplicates; ++r)
+          for (std::uint32_t r = 0; r < kStrataReplicates; ++r)
             ++counts[x.stratum(r, i, d, 8) * 8 + x.stratum(r, i, e, 8)];
           INFO("sample " << i << " dimensions " << e << " and " << d);
           CHECK(evenness(counts) > 1e-8);
@@ -161,7 +158,7 @@ TEST_CASE("the strata of two samples are uniform on all pairs of different strat
       for (const auto& [i, j] : std::initializer_list<std::pair<std::size_t, std::size_t>>{
                {0, 1}, {0, 2}, {3, 7}, {0, 11}}) {
         std::vector<double> counts(x.n * (x.n - 1), 0);
-        for (std::uint32_t r = 0; r < kReplicates; ++r) {
+        for (std::uint32_t r = 0; r < kStrataReplicates; ++r) {
           const std::uint64_t a = cell(r, i), b = cell(r, j);
           REQUIRE(a != b);
           ++counts[a * (x.n - 1) + (b > a ? b - 1 : b)];
@@ -179,7 +176,7 @@ TEST_CASE("the places of a sample inside its row are uniform and independent of 
     if (!has_property(s, "one-per-row")) return;
     for (std::uint32_t d = 0; d < x.dim; ++d) {
       std::vector<double> counts(8 * x.n, 0);
-      for (std::uint32_t r = 0; r < kReplicates; ++r) ++counts[x.stratum(r, 3, d, 8 * x.n)];
+      for (std::uint32_t r = 0; r < kStrataReplicates; ++r) ++counts[x.stratum(r, 3, d, 8 * x.n)];
       INFO("dimension " << d);
       CHECK(evenness(counts) > 1e-8);
     }
@@ -192,14 +189,14 @@ TEST_CASE("one-per-row: 12 N^3 Var of the mean of x_1 + ... + x_d is d", "[stati
   for_all_replicates([](const Sampler& s, const Replicates& x) {
     if (!has_property(s, "one-per-row")) return;
     double m2 = 0;
-    for (std::uint32_t r = 0; r < kReplicates; ++r) {
+    for (std::uint32_t r = 0; r < kStrataReplicates; ++r) {
       double e = 0;
       for (std::uint32_t d = 0; d < x.dim; ++d) e += mean_error(x, r, d);
       m2 += e * e;
     }
     const double scaled = 12 * std::pow(static_cast<double>(x.n), 3) * m2 / x.dim;
-    INFO("12 N^3 Var / d = " << scaled / kReplicates);
-    CHECK(two_sided_chi2(scaled, kReplicates) > 1e-7);
+    INFO("12 N^3 Var / d = " << scaled / kStrataReplicates);
+    CHECK(two_sided_chi2(scaled, kStrataReplicates) > 1e-7);
   });
 }
 
@@ -213,9 +210,10 @@ TEST_CASE(
       const double m = std::round(std::pow(static_cast<double>(x.n), 1.0 / dim));
       for (std::uint32_t d = 0; d < dim; ++d) {
         double m2 = 0;
-        for (std::uint32_t r = 0; r < kReplicates; ++r) m2 += std::pow(mean_error(x, r, d), 2);
+        for (std::uint32_t r = 0; r < kStrataReplicates; ++r)
+          m2 += std::pow(mean_error(x, r, d), 2);
         INFO(s.name << " dimension " << d + 1 << " of " << dim << " N = " << x.n);
-        CHECK(two_sided_chi2(12 * m * m * static_cast<double>(x.n) * m2, kReplicates) > 1e-7);
+        CHECK(two_sided_chi2(12 * m * m * static_cast<double>(x.n) * m2, kStrataReplicates) > 1e-7);
       }
     }
   }
@@ -227,14 +225,14 @@ TEST_CASE("replicates are independent: means and single samples of neighbours ar
   for_all_replicates([](const Sampler&, const Replicates& x) {
     for (std::uint32_t d = 0; d < x.dim; ++d) {
       double means = 0, square = 0, samples = 0;
-      for (std::uint32_t r = 0; r + 1 < kReplicates; ++r) {
+      for (std::uint32_t r = 0; r + 1 < kStrataReplicates; ++r) {
         means += mean_error(x, r, d) * mean_error(x, r + 1, d);
         square += mean_error(x, r, d) * mean_error(x, r, d);
         samples += 12 * (x(r, 2, d) - 0.5) * (x(r + 1, 2, d) - 0.5);
       }
       INFO("dimension " << d);
-      CHECK(std::fabs(means / square) < 6 / std::sqrt(kReplicates));
-      CHECK(std::fabs(samples / kReplicates) < 6 / std::sqrt(kReplicates));
+      CHECK(std::fabs(means / square) < 6 / std::sqrt(kStrataReplicates));
+      CHECK(std::fabs(samples / kStrataReplicates) < 6 / std::sqrt(kStrataReplicates));
     }
   });
 }
@@ -250,7 +248,7 @@ TEST_CASE(
     while (x.n % a != 0) --a;
     const std::uint64_t b = x.n / a;
     std::vector<double> counts(b * b, 0);
-    for (std::uint32_t r = 0; r < kReplicates; ++r) {
+    for (std::uint32_t r = 0; r < kStrataReplicates; ++r) {
       std::uint64_t substrata[2] = {};
       for (std::size_t i = 0; i < x.n; ++i)
         if (x.stratum(r, i, 1, b) == 1 && x.stratum(r, i, 0, a) < 2)

@@ -8,17 +8,13 @@
 #include "catalog/embedded.hpp"
 #include "points/grids.hpp"
 #include "points/matrices.hpp"
+#include "tests/numbers.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
+using koksma::test::stratum;
 
 namespace {
-
-// floor(x n) for x = k 2^-53, without rounding.
-std::uint64_t stratum(double x, std::uint64_t n) {
-  const auto k = static_cast<std::uint64_t>(std::ldexp(x, 53));
-  return static_cast<std::uint64_t>(static_cast<unsigned __int128>(k) * n >> 53);
-}
 
 // A kernel of a test's own on top of pieces, at 16 lanes.
 cl::Kernel kernel_of(bool fp64, const std::vector<const char*>& pieces, const char* body) {

@@ -7,20 +7,16 @@
 #include <set>
 
 #include "catalog/sizes.hpp"
+#include "tests/numbers.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
+using koksma::test::stratum;
 using test::has_property;
 
 namespace {
 
-constexpr Precision kPrecisions[] = {Precision::fp32, Precision::fp64};
-
-// floor(x n) for x = k 2^-53, without rounding.
-std::uint64_t stratum(double x, std::uint64_t n) {
-  const auto k = static_cast<std::uint64_t>(std::ldexp(x, 53));
-  return static_cast<std::uint64_t>(static_cast<unsigned __int128>(k) * n >> 53);
-}
+constexpr Precision kBothPrecisions[] = {Precision::fp32, Precision::fp64};
 
 // The different sizes of a sampler next to a list of sizes, powers of two and others.
 std::set<std::uint64_t> sizes_of(const Sampler& s, std::uint32_t dim) {
@@ -38,7 +34,7 @@ struct Set {
 // Calls check(set) for every size, precision and, of randomized sets, two replicates.
 template <typename Check>
 void for_all_sets(const Sampler& s, std::uint32_t dim, const Check& check) {
-  for (const Precision precision : kPrecisions) {
+  for (const Precision precision : kBothPrecisions) {
     for (const std::uint64_t n : sizes_of(s, dim)) {
       for (const std::uint32_t r :
            s.replicable ? std::vector<std::uint32_t>{0, 3} : std::vector<std::uint32_t>{0}) {
@@ -181,7 +177,7 @@ TEST_CASE(
 
 TEST_CASE("the first pair of 02 holds the points of sobol-owen in two dimensions", "[device]") {
   // The two are one net under one scramble, in other orders.
-  for (const Precision precision : kPrecisions) {
+  for (const Precision precision : kBothPrecisions) {
     std::set<std::pair<double, double>> sets[2];
     for (const bool padded : {false, true}) {
       const std::uint32_t dim = padded ? 5 : 2;
@@ -254,7 +250,7 @@ TEST_CASE("the largest set of a sampler can be drawn at its end, in any blocks",
 TEST_CASE("a regular grid has its cells' centres, cut off to the coordinate's bits", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     if (!has_property(s, "one-per-stratum") || s.replicable) continue;
-    for (const Precision precision : kPrecisions) {
+    for (const Precision precision : kBothPrecisions) {
       const int bits = precision == Precision::fp32 ? 23 : 52;
       for (const std::uint64_t m : {1U, 2U, 3U, 7U, 10U, 64U, 100U}) {
         const auto x = test::points(

@@ -8,14 +8,14 @@
 
 #include "estimate/summation.hpp"
 #include "stability/self_test.hpp"
+#include "tests/numbers.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
+using koksma::test::kInfinity;
+using koksma::test::kNan;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<const SumAlgorithm*> all_sums() {
   std::vector<const SumAlgorithm*> sums;

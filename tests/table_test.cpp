@@ -10,16 +10,16 @@
 #include <complex>
 #include <set>
 
+#include "tests/numbers.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
+using koksma::test::circle_distance;
+using koksma::test::has_property;
 using koksma::test::points;
+using koksma::test::word52;
 
 namespace {
-
-bool has_property(const Sampler& s, const std::string& property) {
-  return std::find(s.properties.begin(), s.properties.end(), property) != s.properties.end();
-}
 
 // The sampler with a set of `size` points, where its size can be chosen.
 std::string with_points(const Sampler& s, const std::string& size) {
@@ -42,16 +42,12 @@ std::uint64_t set_size(const std::string& sampler) {
 
 std::uint32_t some_dim(const Sampler& s) { return std::min(s.max_dim, 6U); }
 
-double circle(double a, double b) {
-  const double d = std::fabs(a - b);
-  return std::min(d, 1 - d);
-}
-
 double minimum_distance(const std::vector<double>& xy) {
   double least = INFINITY;
   for (std::size_t i = 0; i < xy.size(); i += 2)
     for (std::size_t j = 0; j < i; j += 2)
-      least = std::min(least, std::hypot(circle(xy[i], xy[j]), circle(xy[i + 1], xy[j + 1])));
+      least = std::min(
+          least, std::hypot(circle_distance(xy[i], xy[j]), circle_distance(xy[i + 1], xy[j + 1])));
   return least;
 }
 
@@ -131,8 +127,6 @@ std::array<std::uint64_t, 4> tile_words(std::uint64_t seed, std::uint64_t tile,
   return words;
 }
 
-std::uint64_t word52(double x) { return static_cast<std::uint64_t>(std::ldexp(x, 52)); }
-
 }  // namespace
 
 TEST_CASE("dart throwing keeps 0.7 / sqrt(n) between the first n points, for every n", "[unit]") {
@@ -144,7 +138,8 @@ TEST_CASE("dart throwing keeps 0.7 / sqrt(n) between the first n points, for eve
     for (const std::uint64_t word : set) xy.push_back(std::ldexp(static_cast<double>(word), -64));
     for (std::size_t i = 0; i < 2048; i += 2) {
       for (std::size_t j = 0; j < i; j += 2)
-        least = std::min(least, std::hypot(circle(xy[i], xy[j]), circle(xy[i + 1], xy[j + 1])));
+        least = std::min(least, std::hypot(circle_distance(xy[i], xy[j]),
+                                           circle_distance(xy[i + 1], xy[j + 1])));
       const std::size_t n = i / 2 + 1;
       REQUIRE(least * std::sqrt(static_cast<double>(n)) >= 0.7);
     }

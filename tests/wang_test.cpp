@@ -10,16 +10,18 @@
 #include <set>
 
 #include "points/tables.hpp"
+#include "tests/numbers.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
+using koksma::test::circle_distance;
 using koksma::test::points;
 using koksma::test::PointsSpec;
 
 namespace {
 
 constexpr const char* kName = "wang-tiles";
-constexpr std::size_t kTypes = 16, kCells = 16, kOwn = 16, kRanks = 256;
+constexpr std::size_t kTypes = 16, kWangCells = 16, kOwn = 16, kRanks = 256;
 
 struct Word {
   std::uint64_t x, y;
@@ -39,13 +41,13 @@ struct Tiles {
     request.dim = 2;
     request.seed = seed;
     words = find_table_builder(s.family)(request).words;
-    REQUIRE(words.size() == 2 * kCells + 2 * kTypes * kRanks);
+    REQUIRE(words.size() == 2 * kWangCells + 2 * kTypes * kRanks);
   }
   std::size_t cell_type(std::size_t type, std::size_t cell) const {
-    return words[type / 8 * kCells + cell] >> 4 * (type % 8) & 15;
+    return words[type / 8 * kWangCells + cell] >> 4 * (type % 8) & 15;
   }
   Word at(std::size_t type, std::size_t rank) const {
-    const std::size_t first = 2 * kCells + rank * kTypes + type;
+    const std::size_t first = 2 * kWangCells + rank * kTypes + type;
     return {words[first], words[first + kTypes * kRanks]};
   }
   // Of the tiles' own points, in tiles.
@@ -120,11 +122,6 @@ std::array<double, 2> expected(const Tiles& tiles, std::uint64_t index, std::uin
   return {shifted(place.x, shift_x), shifted(place.y, shift_y)};
 }
 
-double circle(double a, double b) {
-  const double d = std::fabs(a - b);
-  return std::min(d, 1 - d);
-}
-
 // To the nearest neighbour of every point that is nearer than about 1 / sqrt(N).
 std::vector<double> nearest_distances(const std::vector<double>& xy) {
   const std::size_t n = xy.size() / 2;
@@ -142,8 +139,9 @@ std::vector<double> nearest_distances(const std::vector<double>& xy) {
       const std::size_t x = (cell(xy[2 * i]) + side - 1 + around % 3) % side;
       for (const std::size_t j : cells[y * side + x])
         if (i != j)
-          nearest[i] = std::min(nearest[i], std::hypot(circle(xy[2 * i], xy[2 * j]),
-                                                       circle(xy[2 * i + 1], xy[2 * j + 1])));
+          nearest[i] =
+              std::min(nearest[i], std::hypot(circle_distance(xy[2 * i], xy[2 * j]),
+                                              circle_distance(xy[2 * i + 1], xy[2 * j + 1])));
     }
   return nearest;
 }
@@ -205,19 +203,19 @@ TEST_CASE(
     const Tiles tiles(seed);
     for (std::size_t type = 0; type < kTypes; ++type) {
       std::set<Word> of_tile, of_cells;
-      for (std::size_t cell = 0; cell < kCells; ++cell)
+      for (std::size_t cell = 0; cell < kWangCells; ++cell)
         for (std::size_t rank = 0; rank < kOwn; ++rank) {
           const Word w = tiles.at(tiles.cell_type(type, cell), rank);
           of_cells.insert({(cell & 3) << 30 | w.x >> 2, cell >> 2 << 30 | w.y >> 2});
         }
-      for (std::size_t round = 0; round < kRanks; round += kCells) {
+      for (std::size_t round = 0; round < kRanks; round += kWangCells) {
         std::set<std::size_t> cells;
-        for (std::size_t rank = round; rank < round + kCells; ++rank) {
+        for (std::size_t rank = round; rank < round + kWangCells; ++rank) {
           const Word w = tiles.at(type, rank);
           of_tile.insert(w);
           cells.insert(w.x >> 30 | w.y >> 30 << 2);
         }
-        REQUIRE(cells.size() == kCells);
+        REQUIRE(cells.size() == kWangCells);
       }
       INFO("seed " << seed << ", type " << type);
       REQUIRE(of_tile.size() == kRanks);

@@ -225,12 +225,14 @@ std::string source_text(const Integrand& integrand) {
   return text.append(integrand.code.text);
 }
 
+bool declares(const std::vector<std::string>& values, std::string_view value) {
+  return std::find(values.begin(), values.end(), value) != values.end();
+}
+
 bool fits(const Estimator& estimator, const Sampler& sampler) {
   return estimator.fits.empty() ||
-         std::any_of(estimator.fits.begin(), estimator.fits.end(), [&](const auto& v) {
-           return std::find(sampler.validity.begin(), sampler.validity.end(), v) !=
-                  sampler.validity.end();
-         });
+         std::any_of(estimator.fits.begin(), estimator.fits.end(),
+                     [&](const auto& v) { return declares(sampler.validity, v); });
 }
 
 std::string rate_class(const Sampler& sampler, const Estimator& estimator) {

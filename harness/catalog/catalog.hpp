@@ -245,6 +245,9 @@ std::string_view entry_schema(std::string_view path);
 // that exists already.
 Catalog load_catalog(const std::vector<std::string>& integrand_files = {});
 
+// True when an entry's list, of properties or of validities, has the value.
+bool declares(const std::vector<std::string>& values, std::string_view value);
+
 // True when the estimator's conditions hold for the sampler (6-definitions 12).
 bool fits(const Estimator& estimator, const Sampler& sampler);
 

@@ -1,12 +1,10 @@
 // What the files of the integrator share: kernel arguments in the precision of a cell.
 #pragma once
 
+#include "catalog/lanes.hpp"
 #include "device/device.hpp"
 
 namespace koksma {
-
-// The lanes that a block's samples are dealt to, whatever the vector width (3-kernels 2).
-inline constexpr std::uint32_t kLanes = 16;
 
 // Sets a real argument: a double where `fp64`, else rounded to a float.
 inline void set_real(cl::Kernel& kernel, cl_uint index, double value, bool fp64) {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 1;
+constexpr int kProgramFormat = 1;
 // About 3000 programs of PoCL's; beyond it the oldest go.
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{256} << 20;
 
@@ -62,7 +62,7 @@ std::string KeptPrograms::file(const ProgramSource& source) const {
 
 // A file that was renamed, or is another program's, does not match it.
 Json KeptPrograms::header(const ProgramSource& source) const {
-  return {{"koksma_program", kFormat},
+  return {{"koksma_program", kProgramFormat},
           {"device", device_},
           {"options", source.options},
           {"text", hash_of(source.text)}};

@@ -4,14 +4,11 @@
 #include <bit>
 #include <cstring>
 
+#include "catalog/lanes.hpp"
 #include "device/prepare.hpp"
 
 namespace koksma {
-namespace {
-
-constexpr std::uint64_t kLanes = 16;
-
-}  // namespace
+namespace {}  // namespace
 
 PointsDump::PointsDump(Device& device, const Plan& plan) : device_(device), plan_(plan) {
   const BuiltProgram built = device.build(plan.program);

@@ -8,7 +8,7 @@
 namespace koksma {
 namespace {
 
-constexpr int kFormat = 2;
+constexpr int kPointSetFormat = 2;
 constexpr std::size_t kLaunchesAtOnce = 512;  // queued before the host waits
 
 // All that decides the set.
@@ -33,7 +33,7 @@ std::string bytes_of(const std::vector<double>& values) {
 }
 
 Json header_of(const PlannedPreparation& p) {
-  return {{"koksma_point_set", kFormat},
+  return {{"koksma_point_set", kPointSetFormat},
           {"preparation", p.work.piece},
           {"points", p.work.points},
           {"dimensions", p.work.dim},

@@ -12,7 +12,7 @@
 namespace koksma {
 namespace {
 
-constexpr int kFormat = 1;
+constexpr int kTuningFormat = 1;
 constexpr const char* kAgain = "koksma tune measures again";
 
 // Other kernels may like other shapes.
@@ -73,7 +73,7 @@ std::shared_ptr<const Tuning> usable_tuning(const DeviceFacts& device) {
 
 bool write_tuning(const DeviceFacts& device, const Tuning& tuning) {
   Json json;
-  json["koksma_tuning"] = kFormat;
+  json["koksma_tuning"] = kTuningFormat;
   json["date"] = tuning.date;
   json["kernels"] = hash_of_kernels();
   json["device"] = device_json(device);

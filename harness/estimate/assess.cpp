@@ -9,13 +9,8 @@ namespace koksma {
 namespace {
 
 constexpr const char* kItself = "measured against itself";
-bool declares(const std::vector<std::string>& values, std::string_view value) {
-  return std::find(values.begin(), values.end(), value) != values.end();
-}
 
 bool is_finite(double value) { return std::isfinite(value); }
-
-bool solves_ode(const CellContext& context) { return context.plan.integrand->ode_size > 0; }
 
 // An error can not be seen below that of the reference.
 double reference_floor(const CellResult& result) {

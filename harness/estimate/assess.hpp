@@ -20,6 +20,8 @@ struct CellContext {
   const Solver* solver = nullptr;  // where f solves a differential equation
 };
 
+inline bool solves_ode(const CellContext& context) { return context.plan.integrand->ode_size > 0; }
+
 // The moments of what is sampled: of the numerical solution, where f solves a differential equation
 // and they are known, else of f.
 struct SampledMoments {

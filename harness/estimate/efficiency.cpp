@@ -130,12 +130,12 @@ ToTolerance to_tolerance(const CurveFacts& curve, double error) {
   return result;
 }
 
-std::optional<std::uint64_t> crossover(std::span<const Comparison> rows) {
-  std::vector<Comparison> sorted(rows.begin(), rows.end());
+std::optional<std::uint64_t> crossover(std::span<const BesideRandom> rows) {
+  std::vector<BesideRandom> sorted(rows.begin(), rows.end());
   std::sort(sorted.begin(), sorted.end(),
-            [](const Comparison& a, const Comparison& b) { return a.n > b.n; });
+            [](const BesideRandom& a, const BesideRandom& b) { return a.n > b.n; });
   std::optional<std::uint64_t> from;
-  for (const Comparison& row : sorted) {
+  for (const BesideRandom& row : sorted) {
     if (!(row.error < row.random_error)) break;
     from = row.n;
   }

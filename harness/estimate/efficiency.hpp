@@ -77,7 +77,7 @@ struct ToTolerance {
 ToTolerance to_tolerance(const CurveFacts& curve, double error);
 
 // One N of a sampler's curve beside plain Monte Carlo.
-struct Comparison {
+struct BesideRandom {
   std::uint64_t n = 0;
   double error = 0;         // of the sampler
   double random_error = 0;  // of Monte Carlo with as many samples, or in the same time
@@ -86,6 +86,6 @@ struct Comparison {
 // The N from which on the sampler's error is below that of Monte Carlo: the smallest n such that it
 // is below in that row and in all with a larger n. None where it is not below in the last row. Rows
 // in any order.
-std::optional<std::uint64_t> crossover(std::span<const Comparison> rows);
+std::optional<std::uint64_t> crossover(std::span<const BesideRandom> rows);
 
 }  // namespace koksma

@@ -35,10 +35,6 @@ double median_of_finite(std::vector<double> values) {
   return quantile_of(values, 0.5);
 }
 
-bool declares(const std::vector<std::string>& values, std::string_view value) {
-  return std::find(values.begin(), values.end(), value) != values.end();
-}
-
 }  // namespace
 
 // One accumulator per replicate and moment.

@@ -13,11 +13,6 @@ namespace {
 
 constexpr double kNormalQuantile = 1.96;  // of a two-sided 95 % interval
 
-bool declares(const Sampler& sampler, std::string_view validity) {
-  return std::find(sampler.validity.begin(), sampler.validity.end(), validity) !=
-         sampler.validity.end();
-}
-
 double promised_slope(const Integrand& f, const Sampler& sampler, const Estimator& estimator,
                       const Scene& scene) {
   auto rate = f.expected.find(rate_class(sampler, estimator));
@@ -47,10 +42,10 @@ std::vector<std::size_t> by_promise(const Catalog& catalog, std::span<const Cell
     const Sampler sampler = catalog.sampler(cell.sampler, "sampler");
     const Estimator& estimator = catalog.estimator(cell.estimator, "estimator");
     const Integrand& f = catalog.integrand(cell.scene.integrand, "scene");
-    const bool heavy = estimator.interval == "student-t" && declares(sampler, "linear");
+    const bool heavy = estimator.interval == "student-t" && declares(sampler.validity, "linear");
     const double samples =
         static_cast<double>(cell.n.back()) * cell.replicates * estimator.replicates_per_estimate;
-    return std::tuple(estimator.interval == "none", declares(sampler, "iid"),
+    return std::tuple(estimator.interval == "none", declares(sampler.validity, "iid"),
                       cell.precision == Precision::fp32,
                       promised_slope(f, sampler, estimator, cell.scene), heavy, -samples);
   };

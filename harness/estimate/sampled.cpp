@@ -3,13 +3,12 @@
 #include <cmath>
 #include <limits>
 
+#include "catalog/lanes.hpp"
 #include "estimate/assess.hpp"
 #include "estimate/summation.hpp"
 
 namespace koksma {
 namespace {
-
-constexpr double kLanes = 16;  // accumulators of a block (kernels/README.md)
 
 // Of equal terms all roundings go the same way, at a sixth of the bound (fp32 sums of 0.1, page 5,
 // appendix C: 6.3 to 6.5 at 2^16 to 2^24).
@@ -17,12 +16,6 @@ constexpr double kConstantRounding = 1.0 / 6;
 // Of u |I|: rms of an error that is uniform over an ulp of a number of unknown mantissa, 0.29 to
 // 0.58.
 constexpr double kResultRounding = 0.4;
-
-bool declares(const std::vector<std::string>& values, std::string_view value) {
-  return std::find(values.begin(), values.end(), value) != values.end();
-}
-
-bool solves_ode(const CellContext& context) { return context.plan.integrand->ode_size > 0; }
 
 // E of floors. The means over many accumulators average their roundings out, unless all add the
 // same numbers; the result is rounded to double once.

@@ -3,20 +3,15 @@
 #include <algorithm>
 #include <bit>
 
+#include "catalog/lanes.hpp"
 #include "points/matrices.hpp"
 #include "points/tables.hpp"
+#include "points/words.hpp"
 
 namespace koksma {
 namespace {
 
-constexpr std::uint32_t kHeader = 8;
-constexpr std::uint32_t kLanes = 16;
-
-std::uint64_t reverse_bits(std::uint64_t x) {
-  std::uint64_t result = 0;
-  for (int i = 0; i < 64; ++i, x >>= 1) result = result << 1 | (x & 1);
-  return result;
-}
+constexpr std::uint32_t kDigitalHeader = 8;
 
 // How a 64-bit fraction is kept on the device: mantissa bits in place, reversed for hashing, or on
 // top of a signed word.
@@ -126,19 +121,20 @@ PointTable build_digital(const PointRequest& request) {
 
   PointTable table;
   std::vector<std::uint64_t>& words = table.words;
-  words.resize(kHeader);
+  words.resize(kDigitalHeader);
   const std::uint32_t matrix_sets = linear ? request.replicates : 1;
   for (std::uint32_t r = 0; r < matrix_sets; ++r)
     append_matrices(words, linear ? scrambled(plain, request.seed, r) : plain, form);
-  const std::uint64_t matrix_size = (words.size() - kHeader) / matrix_sets;
+  const std::uint64_t matrix_size = (words.size() - kDigitalHeader) / matrix_sets;
   const std::uint64_t starts = words.size();
   append_starts(words, net, form, randomize == "shift" || linear);
   const std::uint64_t keys = words.size();
   if (nested) append_keys(words, net);
 
   const std::uint64_t d = net.dim;
-  const std::uint64_t header[kHeader] = {linear ? matrix_size : 0,    d,      0,    kHeader,
-                                         kHeader + (columns - 4) * d, starts, keys, 0};
+  const std::uint64_t header[kDigitalHeader] = {
+      linear ? matrix_size : 0,           d,      0,    kDigitalHeader,
+      kDigitalHeader + (columns - 4) * d, starts, keys, 0};
   std::copy(std::begin(header), std::end(header), words.begin());
   return table;
 }

@@ -12,7 +12,7 @@ namespace {
 
 using Wide = unsigned __int128;
 
-constexpr std::uint32_t kHeader = 8;
+constexpr std::uint32_t kHaltonHeader = 8;
 constexpr std::uint32_t kHeadWords = 4;
 constexpr std::uint32_t kPadding = 15;        // the lanes beyond a wrap
 constexpr std::uint32_t kRemainderBits = 14;  // KOKSMA_HALTON_REMAINDER_BITS
@@ -201,7 +201,7 @@ PointTable build_halton(const PointRequest& request) {
   const std::uint32_t first = rows ? 1 : 0;
   const auto bases = in_draw_order(request, first_primes(request.dim - first), first);
   PointTable table;
-  table.words.resize(kHeader);
+  table.words.resize(kHaltonHeader);
   if (rows) append_rows(table.words, request);
   if (request.options.at("digits") == "owen")
     append_nested_tables(table.words, request, bases);

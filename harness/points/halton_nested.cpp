@@ -10,13 +10,14 @@ namespace {
 
 using Wide = unsigned __int128;
 
-constexpr std::uint32_t kHeadWords = 6;
-constexpr std::uint32_t kPadding = 15;
+constexpr std::uint32_t kNestedHeadWords = 6;
+constexpr std::uint32_t kNestedPadding = 15;
 constexpr std::uint32_t kPacked = 17;       // KOKSMA_HALTON_PACKED
 constexpr std::uint64_t kDigitMask = 8191;  // KOKSMA_HALTON_DIGIT
 constexpr std::uint64_t kSharedShuffle = std::uint64_t{1} << 40;
 constexpr std::uint64_t kLow32 = 0xFFFFFFFFu;
-constexpr std::uint32_t kIndexBits = 53;  // q + 1 of the last index below 2^52 has its digits too
+constexpr std::uint32_t kNestedIndexBits =
+    53;  // q + 1 of the last index below 2^52 has its digits too
 
 // Digits whose permutations are drawn here: a function of the base alone, since the same node must
 // have the same permutation in every set. Small bases get the larger tables, their digits are many.
@@ -146,7 +147,7 @@ class Words {
 
 // floor(2^64 base^-n / size), n = 0, 1, ...
 void push_weights(Words& out, std::uint32_t base, std::uint32_t size) {
-  for (Wide power = size; power >> kIndexBits == 0; power *= base)
+  for (Wide power = size; power >> kNestedIndexBits == 0; power *= base)
     out.push(static_cast<std::uint64_t>((Wide{1} << 64) / power));
 }
 
@@ -164,7 +165,7 @@ void push_nodes(Words& out, const Tree& tree) {
     // A smaller table is for points that all end in it: their words, to the bit those of a larger.
     if (power.size < whole.size) node = {node.t + multiply_high(node.uniform, word(1)), 0};
   }
-  const std::uint32_t padded = power.size + kPadding;
+  const std::uint32_t padded = power.size + kNestedPadding;
   for (std::uint32_t i = 0; i < padded; ++i) out.push(nodes[i % power.size].t);
   for (std::uint32_t i = 0; i < padded; ++i) out.push(nodes[i % power.size].uniform);
   if (power.size < whole.size) return;
@@ -204,10 +205,10 @@ void append_nested_tables(std::vector<std::uint64_t>& words, const PointRequest&
                           const std::vector<std::uint32_t>& bases) {
   Words out(words, request.fp64);
   const auto place = [&](std::size_t j, std::size_t field) -> std::uint64_t& {
-    return words[words[1] + j * kHeadWords + field];
+    return words[words[1] + j * kNestedHeadWords + field];
   };
   words[1] = words.size();
-  words.resize(words.size() + bases.size() * kHeadWords);
+  words.resize(words.size() + bases.size() * kNestedHeadWords);
   words[4] = words.size();
   push_constants(words);
   out.align();

@@ -5,14 +5,14 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/cpp_int.hpp>
 
+#include "catalog/lanes.hpp"
 #include "points/halton.hpp"
 #include "points/tables.hpp"
 
 namespace koksma {
 namespace {
 
-constexpr std::uint32_t kHeader = 4;
-constexpr std::uint32_t kLanes = 16;
+constexpr std::uint32_t kKroneckerHeader = 4;
 
 // The fractional part of sqrt(p), rounded down to 64 bits.
 std::uint64_t root_fraction(std::uint32_t p) {
@@ -53,9 +53,9 @@ PointTable build_kronecker(const PointRequest& request) {
   const std::vector<std::uint64_t> alpha =
       in_draw_order(request, kronecker_fractions(request.options.at("alpha"), request.dim));
   const bool shifted = request.options.at("randomize") == "shift";
-  const std::uint64_t lanes = kHeader + request.dim;
-  std::vector<std::uint64_t> fractions{kHeader, lanes, lanes + std::uint64_t{kLanes} * request.dim,
-                                       0};
+  const std::uint64_t lanes = kKroneckerHeader + request.dim;
+  std::vector<std::uint64_t> fractions{kKroneckerHeader, lanes,
+                                       lanes + std::uint64_t{kLanes} * request.dim, 0};
   for (const std::uint64_t a : alpha) fractions.push_back(kLanes * a);
   for (const std::uint64_t a : alpha)
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) fractions.push_back(lane * a);

@@ -6,14 +6,14 @@
 #include <bit>
 
 #include "catalog/embedded.hpp"
+#include "catalog/lanes.hpp"
 #include "error/error.hpp"
 #include "points/tables.hpp"
 
 namespace koksma {
 namespace {
 
-constexpr std::uint32_t kHeader = 8;
-constexpr std::uint32_t kLanes = 16;
+constexpr std::uint32_t kLatticeHeader = 8;
 
 std::vector<std::uint64_t> read_vector(const std::string& name, std::uint32_t dim) {
   const std::string path = fmt::format("kernels/points/vectors/{}.json", name);
@@ -29,7 +29,7 @@ std::vector<std::uint64_t> read_vector(const std::string& name, std::uint32_t di
 std::uint64_t contribution(std::uint64_t z, std::uint32_t k) { return z << (63 - k); }
 
 // How a 64-bit fraction is kept on the device.
-struct WordForm {
+struct LatticeForm {
   bool fp64 = true;
   bool whole = false;  // all bits of the word, else the top 52 at its low end in fp64
 
@@ -77,7 +77,7 @@ struct Sections {
 // before them; in many the steps that come are the columns) and lanes [j_0][D][16] of one
 // generating vector.
 Sections append_vector(std::vector<std::uint64_t>& words, const std::vector<std::uint64_t>& z,
-                       std::uint32_t columns, const WordForm& form) {
+                       std::uint32_t columns, const LatticeForm& form) {
   Sections sections;
   const bool wide = z.size() <= kMostUnrolledDim;
   const auto push = [&](std::uint64_t fraction) { words.push_back(form(fraction)); };
@@ -106,13 +106,13 @@ PointTable build_lattice(const PointRequest& request) {
   const std::string randomize = request.options.at("randomize");
   const std::string source = request.options.at("vector");
   const bool random_vectors = source == "drawn";
-  const WordForm form{request.fp64, request.options.value("tent", false)};
+  const LatticeForm form{request.fp64, request.options.value("tent", false)};
   const std::uint32_t columns =
       std::max(static_cast<std::uint32_t>(std::bit_width(request.end_index - 1)), 4u);
 
   PointTable table;
   std::vector<std::uint64_t>& words = table.words;
-  words.resize(kHeader);
+  words.resize(kLatticeHeader);
   const std::uint32_t vectors = random_vectors ? request.replicates : 1;
   Sections sections;
   for (std::uint32_t r = 0; r < vectors; ++r) {
@@ -122,7 +122,7 @@ PointTable build_lattice(const PointRequest& request) {
     const Sections each = append_vector(words, z, columns, form);
     if (r == 0) sections = each;
   }
-  const std::uint64_t vector_size = (words.size() - kHeader) / vectors;
+  const std::uint64_t vector_size = (words.size() - kLatticeHeader) / vectors;
   const std::uint64_t starts = words.size();
   for (std::uint32_t r = 0; r < request.replicates; ++r) {
     for (std::uint32_t d = 0; d < request.dim; ++d) {
@@ -133,14 +133,14 @@ PointTable build_lattice(const PointRequest& request) {
       words.push_back(form.start(shift));
     }
   }
-  const std::uint64_t header[kHeader] = {request.dim,
-                                         kHeader,
-                                         sections.steps,
-                                         sections.lanes,
-                                         starts,
-                                         random_vectors ? vector_size : 0,
-                                         0,
-                                         0};
+  const std::uint64_t header[kLatticeHeader] = {request.dim,
+                                                kLatticeHeader,
+                                                sections.steps,
+                                                sections.lanes,
+                                                starts,
+                                                random_vectors ? vector_size : 0,
+                                                0,
+                                                0};
   std::copy(std::begin(header), std::end(header), words.begin());
   return table;
 }

@@ -12,7 +12,7 @@
 namespace koksma {
 namespace {
 
-constexpr unsigned kWordBits = 64;
+constexpr unsigned kMatrixBits = 64;
 
 struct DirectionLine {
   std::uint32_t dimension = 0, degree = 0;
@@ -46,7 +46,7 @@ void extend_columns(const DirectionLine& line, GeneratingMatrices& matrices, std
   const std::uint32_t s = line.degree;
   for (std::uint32_t k = 0; k < matrices.columns; ++k) {
     if (k < s) {
-      at(k) = line.m[k] << (kWordBits - 1 - k);
+      at(k) = line.m[k] << (kMatrixBits - 1 - k);
       continue;
     }
     std::uint64_t v = at(k - s) ^ at(k - s) >> s;
@@ -79,11 +79,11 @@ GeneratingMatrices empty_matrices(std::uint32_t dim, std::uint32_t columns) {
 }  // namespace
 
 GeneratingMatrices sobol_matrices(std::uint32_t dim, std::uint32_t columns) {
-  return matrices_of(boost::random::sobol_engine<std::uint64_t, kWordBits>(dim), dim, columns);
+  return matrices_of(boost::random::sobol_engine<std::uint64_t, kMatrixBits>(dim), dim, columns);
 }
 
 GeneratingMatrices niederreiter_matrices(std::uint32_t dim, std::uint32_t columns) {
-  return matrices_of(boost::random::niederreiter_base2_engine<std::uint64_t, kWordBits>(dim), dim,
+  return matrices_of(boost::random::niederreiter_base2_engine<std::uint64_t, kMatrixBits>(dim), dim,
                      columns);
 }
 
@@ -95,7 +95,7 @@ GeneratingMatrices sobol_matrices_from_file(const std::string& path, std::uint32
                      "give the path of a readable file");
   GeneratingMatrices result = empty_matrices(dim, columns);
   for (std::uint32_t k = 0; k < columns; ++k)
-    result.words[std::size_t{k} * dim] = std::uint64_t{1} << (kWordBits - 1 - k);
+    result.words[std::size_t{k} * dim] = std::uint64_t{1} << (kMatrixBits - 1 - k);
   std::string text;
   std::getline(file, text);  // the heading
   std::uint32_t found = 1;

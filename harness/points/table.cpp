@@ -8,18 +8,12 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "catalog/lanes.hpp"
 #include "points/point_file.hpp"
+#include "points/words.hpp"
 
 namespace koksma {
 namespace {
-
-constexpr std::uint64_t kLanes = 16;
-
-std::uint64_t reverse_bits(std::uint64_t x) {
-  std::uint64_t result = 0;
-  for (int i = 0; i < 64; ++i, x >>= 1) result = result << 1 | (x & 1);
-  return result;
-}
 
 std::uint64_t fraction_of(double x) {
   return static_cast<std::uint64_t>(std::ldexp(x, 52)) << 12;  // rounded down to the grid

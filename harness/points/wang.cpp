@@ -12,7 +12,7 @@ namespace koksma {
 namespace {
 
 constexpr std::size_t kRanks = kWangCells * kWangCells;
-constexpr std::int64_t kCell = std::int64_t{1} << 32;  // units of a cell's side
+constexpr std::int64_t kCellSide = std::int64_t{1} << 32;  // units of a cell's side
 
 // Cells in the order of a dither matrix (B. E. Bayer, ICC 1973), so that the points that a round
 // over them has added are spread well at any time: bits 0 and 1 say the quarter, diagonal ones one
@@ -67,8 +67,8 @@ class Ranking {
   void see(const Point& ranked, const WangNeighbour& n) {
     constexpr unsigned kCut = 4;  // so that squares have room
     for (Point& p : points_[n.place]) {
-      const std::int64_t dx = (p.x + n.columns * kCell - ranked.x) >> kCut;
-      const std::int64_t dy = (p.y + n.rows * kCell - ranked.y) >> kCut;
+      const std::int64_t dx = (p.x + n.columns * kCellSide - ranked.x) >> kCut;
+      const std::int64_t dy = (p.y + n.rows * kCellSide - ranked.y) >> kCut;
       p.nearest = std::min(p.nearest, dx * dx + dy * dy);
     }
   }

@@ -24,10 +24,6 @@ std::string_view name(Change change) {
   return kNames.at(static_cast<std::size_t>(change));
 }
 
-std::string size_text(std::uint64_t n) {
-  return std::has_single_bit(n) ? fmt::format("2^{}", std::countr_zero(n)) : fmt::format("{}", n);
-}
-
 std::string time_text(const TimeChange& time) {
   return time.ratio > 0 ? fmt::format("{:.3f}", time.ratio) : "-";
 }
@@ -42,7 +38,7 @@ std::string time_words(const TimeChange& time) {
   return time.ratio > 0 ? "" : time.reason;
 }
 
-std::string number(const std::optional<double>& value) {
+std::string value_text(const std::optional<double>& value) {
   return value ? fmt::format("{:.2e}", *value) : "-";
 }
 
@@ -97,8 +93,8 @@ Line row_line(const RowChange& row) {
           size_text(row.n),
           time_text(row.time),
           p_text(row.time),
-          number(row.error.base),
-          number(row.error.now),
+          value_text(row.error.base),
+          value_text(row.error.now),
           words};
 }
 

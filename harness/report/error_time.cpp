@@ -131,7 +131,7 @@ double error_for_sure(const Json& row) {
   return row["rmse"];
 }
 
-Json crossover_json(const std::vector<Comparison>& rows) {
+Json crossover_json(const std::vector<BesideRandom>& rows) {
   if (rows.empty()) return {{"n", nullptr}, {"reason", "no row has an RMSE to compare"}};
   const std::optional<std::uint64_t> n = crossover(rows);
   if (!n) return {{"n", nullptr}, {"reason", "the last row is not below it for sure"}};
@@ -140,7 +140,7 @@ Json crossover_json(const std::vector<Comparison>& rows) {
 
 void compare_rows(const Random& random, Json& cell) {
   const std::optional<TimeLine> times = time_line(cell);
-  std::vector<Comparison> equal_n, equal_time;
+  std::vector<BesideRandom> equal_n, equal_time;
   for (Json& row : cell["rows"]) {
     row["speed_up"] = nullptr;
     if (row["efficiency"].is_number())

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "report/results.hpp"
+#include "report/text_table.hpp"
 
 namespace koksma {
 namespace {
@@ -122,9 +123,7 @@ std::string averages_text(const Json& averages) {
 }
 
 std::string inequality_line(const Json& k) {
-  const auto number = [](const Json& value) {
-    return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : std::string("-");
-  };
+  const auto number = [](const Json& value) { return number_text(value, "{:.4g}"); };
   std::string line =
       fmt::format("{}: |Q - I| = {}", k["scene"].get<std::string>(), number(k["error"]));
   if (k["bound"].is_number())

@@ -45,10 +45,6 @@ Json case_json(const CaseOutcome& outcome) {
           {"relaxed", relaxed_json(outcome.relaxed)}};
 }
 
-std::string number(const Json& value, const char* format) {
-  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : "-";
-}
-
 std::vector<std::string> case_columns(const Json& item, bool with_relaxed) {
   const Json& cell = item["cell"];
   const Json& verdict = cell["stability"]["verdict"];
@@ -61,17 +57,17 @@ std::vector<std::string> case_columns(const Json& item, bool with_relaxed) {
       cell["precision"].is_string() ? cell["precision"].get<std::string>() : "-",
       cell["sum"],
       word,
-      number(item["digits"], "{:.1f}"),
-      number(item["floor"]["predicted"], "{:.1e}"),
-      number(item["floor"]["seen"], "{:.1e}")};
+      number_text(item["digits"], "{:.1f}"),
+      number_text(item["floor"]["predicted"], "{:.1e}"),
+      number_text(item["floor"]["seen"], "{:.1e}")};
   if (with_relaxed)
-    columns.push_back(item["relaxed"].is_object() ? number(item["relaxed"]["in_rmse"], "{:.1e}")
-                                                  : "-");
+    columns.push_back(
+        item["relaxed"].is_object() ? number_text(item["relaxed"]["in_rmse"], "{:.1e}") : "-");
   columns.push_back(item["dominates"]);
   return columns;
 }
 
-constexpr const char* kLegend =
+constexpr const char* kStabilityLegend =
     "digits: -log10 of the relative RMSE at the largest N. floor: the level below which the error "
     "does not fall, as\nestimated and as seen where the curve ends on it. dominates: what the "
     "error "
@@ -127,7 +123,7 @@ std::string summation_text(const Json& summation) {
     std::vector<std::string> line{row["terms"],
                                   fmt::format("{}", row["n_per_lane"].get<std::uint64_t>())};
     for (const std::string& name : std::vector<std::string>(lines[0].begin() + 2, lines[0].end()))
-      line.push_back(row["sums"].contains(name) ? number(row["sums"][name]["error"], "{:.1e}")
+      line.push_back(row["sums"].contains(name) ? number_text(row["sums"][name]["error"], "{:.1e}")
                                                 : "-");
     lines.push_back(std::move(line));
   }
@@ -143,7 +139,7 @@ std::string invariance_text(const Json& invariance) {
     lines.push_back(
         {name, fmt::format("{}", entry["distinct_sums"].get<std::size_t>()),
          fmt::format("{}", entry["distinct_sums_of_one_block_length"].get<std::size_t>()),
-         number(entry["spread"], "{:.1e}")});
+         number_text(entry["spread"], "{:.1e}")});
   return fmt::format("{} launch shapes, {}, N = {}:\n{}",
                      invariance["launch_shapes"].get<std::size_t>(),
                      invariance["precision"].get<std::string>(),
@@ -202,7 +198,7 @@ std::string stability_table(const Json& json) {
     demanded += item["met"].is_boolean() ? 1 : 0;
     met += item["met"] == true ? 1 : 0;
   }
-  std::string text = text_table(lines) + "\n" + kLegend + "\n" + faults_text(json);
+  std::string text = text_table(lines) + "\n" + kStabilityLegend + "\n" + faults_text(json);
   if (demanded > 0) text += fmt::format("{} of {} cases show what they must.\n", met, demanded);
   for (const auto& [reason, count] : untried)
     text += fmt::format("not tried, unsupported, {}: {}\n", count, reason);

@@ -13,14 +13,6 @@ namespace {
 
 constexpr double kGlance = 1e-3;  // the tolerance in the table
 
-std::string number(const Json& value, const char* format = "{:.2e}") {
-  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : "-";
-}
-
-std::string size_text(std::uint64_t n) {
-  return std::has_single_bit(n) ? fmt::format("2^{}", std::countr_zero(n)) : fmt::format("{}", n);
-}
-
 std::string slope_text(const Json& slope, const Json& interval) {
   if (!slope.is_number()) return "-";
   if (!interval.is_array()) return fmt::format("{:.2f}", slope.get<double>());
@@ -102,10 +94,10 @@ std::vector<std::string> cell_columns(const Json& cell) {
   }
   const Json& row = cell["rows"].back();
   columns.push_back(size_text(row["n"]));
-  columns.push_back(number(row["rmse"]));
-  columns.push_back(number(row["median_abs_error"]));
+  columns.push_back(number_text(row["rmse"]));
+  columns.push_back(number_text(row["median_abs_error"]));
   columns.push_back(rate_text(cell["convergence"]));
-  columns.push_back(number(cell["convergence"]["expected"], "{:.2f}"));
+  columns.push_back(number_text(cell["convergence"]["expected"], "{:.2f}"));
   columns.push_back(glance_text(cell));
   columns.push_back(ratio_text(row["speed_up"]));
   columns.push_back(fmt::format("{:.3g}", row["seconds_per_replicate"].get<double>() * 1e3));
@@ -116,7 +108,7 @@ std::vector<std::string> cell_columns(const Json& cell) {
   return columns;
 }
 
-constexpr const char* kLegend =
+constexpr const char* kTableLegend =
     "error: RMSE and median |e| of single N-point estimates at the largest N. rate: slope of log2 "
     "RMSE, ± half its 95 %\n"
     "interval; theory: the expected slope, log factors left out. s to 1e-3: kernel seconds of one "
@@ -144,8 +136,8 @@ std::string results_table(const Json& results) {
   for (const Json& cell : results["cells"]) lines.push_back(cell_columns(cell));
   const std::string text = text_table(lines);
   for (const Json& cell : results["cells"])
-    if (cell["reference"].is_object()) return text + "\n" + kLegend + kOwnEstimateLegend;
-  return text + "\n" + kLegend;
+    if (cell["reference"].is_object()) return text + "\n" + kTableLegend + kOwnEstimateLegend;
+  return text + "\n" + kTableLegend;
 }
 
 Progress::Progress(std::FILE* stream, std::size_t total, bool quiet)

@@ -1,6 +1,9 @@
 #include "report/text_table.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <bit>
 
 namespace koksma {
 namespace {
@@ -32,6 +35,14 @@ std::string text_table(const std::vector<std::vector<std::string>>& lines) {
     text += out.substr(0, out.find_last_not_of(' ') + 1) + "\n";
   }
   return text;
+}
+
+std::string size_text(std::uint64_t n) {
+  return std::has_single_bit(n) ? fmt::format("2^{}", std::countr_zero(n)) : fmt::format("{}", n);
+}
+
+std::string number_text(const Json& value, const char* format) {
+  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : "-";
 }
 
 }  // namespace koksma

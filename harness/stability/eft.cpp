@@ -12,7 +12,7 @@
 namespace koksma {
 namespace {
 
-constexpr std::uint32_t kTenths = std::uint32_t{1} << 20;
+constexpr std::uint32_t kTenthsAdded = std::uint32_t{1} << 20;
 
 std::vector<const SumAlgorithm*> compensated_sums(const Catalog& catalog, bool has_fp64) {
   std::vector<const SumAlgorithm*> sums;
@@ -45,7 +45,7 @@ void test_transformations(SelfTestProgram& program, bool fp64, EftResult& result
 double naive_sum(double term, bool fp64) {
   double wide = 0;
   float narrow = 0;
-  for (std::uint32_t i = 0; i < kTenths; ++i) {
+  for (std::uint32_t i = 0; i < kTenthsAdded; ++i) {
     wide += term;
     narrow += static_cast<float>(term);
   }
@@ -56,10 +56,10 @@ void test_sum(SelfTestProgram& program, std::size_t k, const SumAlgorithm& sum, 
   const bool fp64 = result.precision == Precision::fp64;
   const double tenth = fp64 ? 0.1 : static_cast<double>(0.1F);
   ExactSum exact;
-  exact.add_product(tenth, kTenths);
+  exact.add_product(tenth, kTenthsAdded);
   EftTest test{fmt::format("2^20 x 0.1 with sum '{}'", sum.name), exact.rounded(), 0, false};
-  test.got = program.add_up(k, {tenth}, kTenths).rounded();
-  const double bound = summation_bound(sum, result.precision, kTenths).of(test.expected);
+  test.got = program.add_up(k, {tenth}, kTenthsAdded).rounded();
+  const double bound = summation_bound(sum, result.precision, kTenthsAdded).of(test.expected);
   test.passed = std::fabs(test.got - test.expected) <= bound && test.got != naive_sum(tenth, fp64);
   result.tests.push_back(std::move(test));
   for (const SumKnownAnswer& answer : sum.self_test) {

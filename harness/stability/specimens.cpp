@@ -87,9 +87,8 @@ Catalog with_indices(const Catalog& catalog) {
 Cell terms_cell(const Catalog& with_terms, const std::string& sum, Precision precision,
                 std::uint64_t n) {
   const auto independent =
-      std::find_if(with_terms.samplers.begin(), with_terms.samplers.end(), [](const Sampler& s) {
-        return std::find(s.validity.begin(), s.validity.end(), "iid") != s.validity.end();
-      });
+      std::find_if(with_terms.samplers.begin(), with_terms.samplers.end(),
+                   [](const Sampler& s) { return declares(s.validity, "iid"); });
   Cell cell = specimen_cell(with_terms, n);
   cell.scene = {kTerms, 2, {0, 0, 0, 0}, {}, kTerms};
   cell.sampler = independent->name;

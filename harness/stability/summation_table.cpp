@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 constexpr unsigned kLog2Lanes = 4;
 constexpr unsigned kLog2Tenths = 20;           // terms per lane under relaxed math
 constexpr std::uint64_t kHostTerms = 1 << 16;  // of a comparison with the host
-constexpr Precision kPrecision = Precision::fp32;
+constexpr Precision kTablePrecision = Precision::fp32;
 const Terms kOnes{"1", 1, 0, 0};
 const Terms kTenths{"0.1", static_cast<double>(0.1F), 0, 0};
 const std::vector<Terms> kRandomTerms{
@@ -41,7 +41,7 @@ class TermsRun {
     options.relaxed_math = relaxed;
     // Two items of a block on a CPU: one work-item would use one core.
     options.shape = LaunchShape{device.facts().is_cpu ? 8U : 1U, 1, std::nullopt, std::nullopt};
-    const Cell cell = terms_cell(catalog, sum.name, kPrecision, std::uint64_t{1} << log2_most);
+    const Cell cell = terms_cell(catalog, sum.name, kTablePrecision, std::uint64_t{1} << log2_most);
     plan_ = make_plan(catalog, cell, device.facts(), "", options);
   }
 
@@ -126,10 +126,10 @@ SummationEntry measure_entry(TermsRun& run, const SumAlgorithm& sum, const Exact
   const double n = std::ldexp(1.0, static_cast<int>(row.log2_n - kLog2Lanes));
   const double mean_abs =
       std::fabs(row.sum.rounded()) * row.kappa / std::ldexp(1.0, static_cast<int>(row.log2_n));
-  const double bound = summation_bound(sum, kPrecision, n).of(mean_abs) / mean_abs * row.kappa;
+  const double bound = summation_bound(sum, kTablePrecision, n).of(mean_abs) / mean_abs * row.kappa;
   // Four times the terms at which nothing is guaranteed any more: that of 1s must show.
   const bool exhausted =
-      row.terms.name == kOnes.name && summation_bound(sum, kPrecision, n / 4).relative >= 1;
+      row.terms.name == kOnes.name && summation_bound(sum, kTablePrecision, n / 4).relative >= 1;
   return {sum.name, relative_error(measured.sum, row.sum), bound, exhausted, measured.seconds};
 }
 
@@ -174,7 +174,7 @@ SummationTable measure_summation(const Catalog& with_terms, Device& device,
                                  const SummationOptions& options) {
   const auto start = Clock::now();
   SummationTable table;
-  table.precision = kPrecision;
+  table.precision = kTablePrecision;
   const auto exact_sum = std::find_if(with_terms.sums.begin(), with_terms.sums.end(), is_exact);
   const unsigned most = *std::max_element(options.constants.begin(), options.constants.end());
   TermsRun exact(with_terms, device, *exact_sum, most + kLog2Lanes);

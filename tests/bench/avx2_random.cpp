@@ -7,7 +7,7 @@
 namespace koksma::bench {
 namespace {
 
-constexpr std::uint32_t kDim = 8, kRounds = 10;
+constexpr std::uint32_t kPhiloxDim = 8, kRounds = 10;
 
 struct RandomPoints {
   struct State {
@@ -68,14 +68,14 @@ struct RandomPoints {
     return {{w0, w1, w2, w3}};
   }
 
-  Coordinates<Fp32, kDim> draw(const State& state) const {
+  Coordinates<Fp32, kPhiloxDim> draw(const State& state) const {
     const auto low = static_cast<std::uint32_t>(state.index),
                high = static_cast<std::uint32_t>(state.index >> 32);
     const __m256i even = _mm256_add_epi64(broadcast(low), _mm256_setr_epi64x(0, 2, 4, 6));
     const __m256i odd = _mm256_add_epi64(even, broadcast(1));
     const __m256i one = _mm256_set1_epi32(0x3F800000);
-    Coordinates<Fp32, kDim> x;
-    for (std::uint32_t k = 0; k < kDim / 4; ++k) {
+    Coordinates<Fp32, kPhiloxDim> x;
+    for (std::uint32_t k = 0; k < kPhiloxDim / 4; ++k) {
       const Quartet evens = rounds(even, high, state.replicate, 2 * k);
       const Quartet odds = rounds(odd, high, state.replicate, 2 * k);
       for (std::uint32_t i = 0; i < 4; ++i) {
@@ -92,8 +92,8 @@ struct RandomPoints {
 }  // namespace
 
 double run_random_limit(const LimitWork& work, std::vector<double>& partials) {
-  require_written(work.dim == kDim && !work.fp64);
-  return run_limit<Fp32, RandomPoints, Product<Fp32, kDim>>(work, partials);
+  require_written(work.dim == kPhiloxDim && !work.fp64);
+  return run_limit<Fp32, RandomPoints, Product<Fp32, kPhiloxDim>>(work, partials);
 }
 
 }  // namespace koksma::bench

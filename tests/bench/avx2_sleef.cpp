@@ -8,21 +8,21 @@
 namespace koksma::bench {
 namespace {
 
-constexpr std::uint32_t kDim = 8;
-using Points = DigitalPoints<Fp32, kDim>;
+constexpr std::uint32_t kSleefDim = 8;
+using Points = DigitalPoints<Fp32, kSleefDim>;
 
 // exp-sum: factor exp(sum c_j (x_j - 1/2)).
 struct ExpSum {
-  __m256 c[kDim], factor;
+  __m256 c[kSleefDim], factor;
 
   explicit ExpSum(const LimitWork& work)
       : factor(_mm256_set1_ps(static_cast<float>(work.coefficients[1]))) {
-    for (std::size_t d = 0; d < kDim; ++d)
+    for (std::size_t d = 0; d < kSleefDim; ++d)
       c[d] = _mm256_set1_ps(static_cast<float>(work.coefficients[2 * d]));
   }
-  __m256 argument(const Coordinates<Fp32, kDim>& x) const {
+  __m256 argument(const Coordinates<Fp32, kSleefDim>& x) const {
     __m256 sum = _mm256_setzero_ps();
-    for (std::uint32_t d = 0; d < kDim; ++d)
+    for (std::uint32_t d = 0; d < kSleefDim; ++d)
       sum = _mm256_fmadd_ps(c[d], _mm256_sub_ps(x.at[d], _mm256_set1_ps(0.5F)), sum);
     return sum;
   }
@@ -34,16 +34,16 @@ struct ExpSum {
 // genz-oscillatory: cos(2 pi w + sum a_j x_j); kUnit: the angle's unit, in radians.
 template <auto kCosine>
 struct Oscillatory {
-  __m256 c[kDim], phase;
+  __m256 c[kSleefDim], phase;
 
   Oscillatory(const LimitWork& work, double unit)
       : phase(_mm256_set1_ps(static_cast<float>(2 * work.parameters[1] * unit))) {
-    for (std::uint32_t d = 0; d < kDim; ++d)
+    for (std::uint32_t d = 0; d < kSleefDim; ++d)
       c[d] = _mm256_set1_ps(static_cast<float>(work.coefficients[d] * unit));
   }
-  __m256 argument(const Coordinates<Fp32, kDim>& x) const {
+  __m256 argument(const Coordinates<Fp32, kSleefDim>& x) const {
     __m256 sum = phase;
-    for (std::uint32_t d = 0; d < kDim; ++d) sum = _mm256_fmadd_ps(c[d], x.at[d], sum);
+    for (std::uint32_t d = 0; d < kSleefDim; ++d) sum = _mm256_fmadd_ps(c[d], x.at[d], sum);
     return sum;
   }
   __m256 value(__m256 argument) const { return kCosine(argument); }
@@ -51,7 +51,7 @@ struct Oscillatory {
 
 template <typename F>
 double run_function(const LimitWork& work, std::vector<double>& partials, const F& f) {
-  require_written(work.dim == kDim && !work.fp64);
+  require_written(work.dim == kSleefDim && !work.fp64);
   const Points points(work);
   return run_blocks(work, partials, [&](std::uint64_t block, std::uint32_t replicate, double* out) {
     constexpr std::uint32_t kMany = 64;

@@ -24,7 +24,7 @@ constexpr double kAllowedOverhead = 0.10;
 constexpr double kFirstRowLimit = 0.25;
 constexpr double kStudyLimit = 15;
 constexpr std::uint32_t kDim = 8, kReplicates = 32;
-constexpr std::size_t kLeastRounds = 300, kMostRounds = 3000;
+constexpr std::size_t kLeastLaunchRounds = 300, kMostLaunchRounds = 3000;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -62,8 +62,9 @@ void launch_overhead(State& state, const OverheadRow& row, std::vector<std::stri
   };
   std::size_t rounds = 0;
   for (auto _ : state) {
-    while (rounds < kLeastRounds ||
-           (rounds < kMostRounds && !(kernel.settled() && wall.settled() && merged.settled()))) {
+    while (
+        rounds < kLeastLaunchRounds ||
+        (rounds < kMostLaunchRounds && !(kernel.settled() && wall.settled() && merged.settled()))) {
       auto start = Clock::now();
       kernel.add(integrator.run(n, 0, nothing));
       wall.add(seconds_since(start));

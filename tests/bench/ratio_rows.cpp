@@ -22,10 +22,10 @@ using State = benchmark::State;
 // 2^26 coordinates a launch: 3 to 30 ms, long beside the 60 us that a launch costs, and short
 // enough to find all processors free for all of it now and then.
 constexpr std::uint64_t kCoordinates = std::uint64_t{1} << 26;
-constexpr std::uint32_t kReplicates = 4;
+constexpr std::uint32_t kRatioReplicates = 4;
 // Kernel and limit alternate at least this often, and until both minima have been met three times,
 // as machines jitter.
-constexpr std::size_t kLeastRounds = 101, kMostRounds = 400;
+constexpr std::size_t kLeastRatioRounds = 101, kMostRatioRounds = 400;
 
 #if KOKSMA_LIMITS_AVX2
 constexpr Limit kDigital = run_digital_limit, kFolded = run_folded_limit,
@@ -46,7 +46,7 @@ double no_sleef(const LimitWork&, std::vector<double>&) {
 constexpr Limit kExp = no_sleef, kCos = no_sleef, kCospi = no_sleef;
 #endif
 
-struct Row {
+struct RatioRow {
   const char *name, *scene, *sampler;
   Precision precision;
   Limit limit;
@@ -59,7 +59,7 @@ struct Row {
 
 // The same product drawn from either slot: as it stands in the catalog, from the centred one.
 constexpr const char *kPlain = "plain-prod:d=8", *kProduct = "linear-prod:d=8";
-constexpr Row kRows[] = {
+constexpr RatioRow kRows[] = {
     {"sobol/fp32/d:8/same", kPlain, "sobol-shift", Precision::fp32, kDigital, 0.95, 2e-8},
     {"sobol/fp32/d:8/folded", kProduct, "sobol-shift", Precision::fp32, kFolded, 0.8, 5e-7},
     {"sobol/fp32/d:128", "plain-prod:d=128", "sobol-shift", Precision::fp32, kDigital, 0.7, 2e-8,
@@ -84,12 +84,12 @@ bool has_avx2() { return false; }
 bool has_avx512() { return false; }
 #endif
 
-SubjectSpec spec_of(const Row& row, const char* scene) {
+SubjectSpec spec_of(const RatioRow& row, const char* scene) {
   const std::uint32_t dim = parse_scene(catalog(), scene, "benchmark").dim;
   const Sampler sampler = catalog().sampler(row.sampler, "benchmark");
-  const std::uint64_t n = std::min(kCoordinates / kReplicates / dim,
+  const std::uint64_t n = std::min(kCoordinates / kRatioReplicates / dim,
                                    std::uint64_t{1} << std::min(sampler.max_log2_n, 62U));
-  return {scene, row.sampler, row.precision, n, kReplicates};
+  return {scene, row.sampler, row.precision, n, kRatioReplicates};
 }
 
 // The limits' states are mantissas, whatever form the kernel prefers.
@@ -123,7 +123,7 @@ struct Pair {
 };
 
 // The same points and, up to rounding, the same values.
-void require_same_mean(Pair& pair, const Row& row) {
+void require_same_mean(Pair& pair, const RatioRow& row) {
   std::vector<double> partials;
   pair.subject.run(pair.n);
   row.limit(pair.work, partials);
@@ -155,7 +155,7 @@ struct Times {
 };
 
 // One iteration holds all rounds; its time is the kernel's best.
-void measure(State& state, const Row& row, std::vector<std::string>& missed) {
+void measure(State& state, const RatioRow& row, std::vector<std::string>& missed) {
   if (!has_avx2()) throw UnsupportedError("the hand-written limits need a processor with AVX2");
   Pair pair(spec_of(row, row.scene));
   require_same_mean(pair, row);
@@ -166,8 +166,8 @@ void measure(State& state, const Row& row, std::vector<std::string>& missed) {
   Times kernel_s, limit_s;
   std::size_t rounds = 0;
   for (auto _ : state) {
-    while (rounds < kLeastRounds ||
-           (rounds < kMostRounds && !(kernel_s.wall.settled() && limit_s.wall.settled()))) {
+    while (rounds < kLeastRatioRounds ||
+           (rounds < kMostRatioRounds && !(kernel_s.wall.settled() && limit_s.wall.settled()))) {
       kernel_s.add([&] { return pair.subject.run(pair.n); });
       limit_s.add([&] { return row.limit(limit.work, partials); });
       ++rounds;
@@ -190,7 +190,7 @@ void measure(State& state, const Row& row, std::vector<std::string>& missed) {
 }
 
 // What is unsupported here is no miss; any other failure is one.
-void guarded(State& state, const Row& row, std::vector<std::string>& missed) {
+void guarded(State& state, const RatioRow& row, std::vector<std::string>& missed) {
   try {
     measure(state, row, missed);
   } catch (const UnsupportedError& error) {
@@ -204,7 +204,7 @@ void guarded(State& state, const Row& row, std::vector<std::string>& missed) {
 }  // namespace
 
 void register_ratio_rows(std::vector<std::string>& missed) {
-  for (const Row& row : kRows)
+  for (const RatioRow& row : kRows)
     benchmark::RegisterBenchmark(fmt::format("ratio/{}", row.name).c_str(),
                                  [&row, &missed](State& state) { guarded(state, row, missed); })
         ->UseManualTime()

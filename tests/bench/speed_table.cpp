@@ -22,22 +22,22 @@ constexpr const char* kYardstick = "sobol";
 // Coordinates a launch: the yardstick takes 1 ms or less, long beside the 60 us that a launch
 // costs. A slow sampler gets fewer, so that its launches find the processors of a busy machine free
 // as often as the yardstick's do.
-constexpr std::uint64_t kCoordinates = std::uint64_t{1} << 24;
+constexpr std::uint64_t kSpeedCoordinates = std::uint64_t{1} << 24;
 constexpr std::uint64_t kFewestCoordinates = std::uint64_t{1} << 20;
-constexpr std::uint32_t kReplicates = 4;
-constexpr std::size_t kLeastRounds = 31, kMostRounds = 400;
+constexpr std::uint32_t kSpeedReplicates = 4;
+constexpr std::size_t kLeastSpeedRounds = 31, kMostRounds = 400;
 
-struct Row {
+struct SpeedRow {
   std::string sampler;
   Precision precision;
   std::uint32_t dim;
 };
 
-// The set nearest below kCoordinates coordinates that the sampler has, kept where it is at least a
-// quarter of that.
-SubjectSpec spec_of(const Row& row, std::uint64_t coordinates) {
+// The set nearest below kSpeedCoordinates coordinates that the sampler has, kept where it is at
+// least a quarter of that.
+SubjectSpec spec_of(const SpeedRow& row, std::uint64_t coordinates) {
   const Sampler s = catalog().sampler(row.sampler, "benchmark");
-  const std::uint32_t replicates = s.replicable ? kReplicates : 1;
+  const std::uint32_t replicates = s.replicable ? kSpeedReplicates : 1;
   const std::uint64_t wanted =
       std::min(coordinates / row.dim / replicates, std::uint64_t{1} << s.max_log2_n);
   const auto n = nearest_sizes(s, row.dim, wanted).below;
@@ -52,25 +52,26 @@ double coordinates_of(const SubjectSpec& spec, std::uint32_t dim) {
 }
 
 // So many coordinates that a launch takes at most about twice the yardstick's.
-std::uint64_t fair_coordinates(const Row& row, double yardstick_s) {
+std::uint64_t fair_coordinates(const SpeedRow& row, double yardstick_s) {
   const SubjectSpec spec = spec_of(row, kFewestCoordinates);
   Subject subject(spec);
   double best = subject.run(spec.end);
   for (int i = 0; i < 3; ++i) best = std::min(best, subject.run(spec.end));
   std::uint64_t coordinates = kFewestCoordinates;
-  for (; coordinates < kCoordinates && best < yardstick_s; best *= 2) coordinates *= 2;
+  for (; coordinates < kSpeedCoordinates && best < yardstick_s; best *= 2) coordinates *= 2;
   return coordinates;
 }
 
-void measure(State& state, const Row& row, double required, std::vector<std::string>& missed) {
-  const SubjectSpec yardstick_spec = spec_of({kYardstick, row.precision, row.dim}, kCoordinates);
+void measure(State& state, const SpeedRow& row, double required, std::vector<std::string>& missed) {
+  const SubjectSpec yardstick_spec =
+      spec_of({kYardstick, row.precision, row.dim}, kSpeedCoordinates);
   Subject yardstick(yardstick_spec);
   const SubjectSpec spec = spec_of(row, fair_coordinates(row, yardstick.run(yardstick_spec.end)));
   Subject subject(spec);
   Fastest subject_s, yardstick_s;
   std::size_t rounds = 0;
   for (auto _ : state) {
-    while (rounds < kLeastRounds ||
+    while (rounds < kLeastSpeedRounds ||
            (rounds < kMostRounds && !(subject_s.settled() && yardstick_s.settled()))) {
       subject_s.add(subject.run(spec.end));
       yardstick_s.add(yardstick.run(yardstick_spec.end));
@@ -93,7 +94,7 @@ void measure(State& state, const Row& row, double required, std::vector<std::str
 }
 
 // What is unsupported here is no miss; any other failure is one.
-void speed(State& state, const Row& row, double required, std::vector<std::string>& missed) {
+void speed(State& state, const SpeedRow& row, double required, std::vector<std::string>& missed) {
   try {
     measure(state, row, required, missed);
   } catch (const UnsupportedError& error) {
@@ -116,7 +117,7 @@ void register_speed_table(std::vector<std::string>& missed) {
       const double required = asked == s.speed.end() ? 0 : asked->second;
       for (const std::uint32_t dim : {2U, 8U, 64U}) {
         if (dim > s.max_dim || dim < s.min_dim) continue;
-        const Row row{s.name, precision == "fp32" ? Precision::fp32 : Precision::fp64, dim};
+        const SpeedRow row{s.name, precision == "fp32" ? Precision::fp32 : Precision::fp64, dim};
         const std::string name = fmt::format("speed/{}/{}/d:{}", s.name, precision, dim);
         benchmark::RegisterBenchmark(
             name.c_str(),
