@@ -141,11 +141,11 @@ TEST_CASE("a tolerance that the curve can not be followed to has a reason and no
 }
 
 TEST_CASE("the crossover is where a curve goes below for good", "[unit][estimate]") {
-  using Rows = std::vector<BesideRandom>;
-  CHECK(crossover(Rows{{1, 2, 1}, {2, 0.5, 1}, {4, 2, 1}, {8, 0.5, 1}, {16, 0.5, 1}}) == 8U);
-  CHECK(crossover(Rows{{16, 0.5, 1}, {1, 0.5, 1}, {4, 0.5, 1}}) == 1U);  // any order
-  CHECK_FALSE(crossover(Rows{{1, 0.5, 1}, {2, 1, 1}}));
-  CHECK_FALSE(crossover(Rows{}));
+  using Pairs = std::vector<BesideRandom>;
+  CHECK(crossover(Pairs{{1, 2, 1}, {2, 0.5, 1}, {4, 2, 1}, {8, 0.5, 1}, {16, 0.5, 1}}) == 8U);
+  CHECK(crossover(Pairs{{16, 0.5, 1}, {1, 0.5, 1}, {4, 0.5, 1}}) == 1U);  // any order
+  CHECK_FALSE(crossover(Pairs{{1, 0.5, 1}, {2, 1, 1}}));
+  CHECK_FALSE(crossover(Pairs{}));
 }
 
 }  // namespace koksma

@@ -184,7 +184,7 @@ TEST_CASE("a curve that ends in zeros, however few, or still falls is not at a n
   CHECK(plateau_of(falling).kind == PlateauKind::none);
 }
 
-TEST_CASE("power laws are called flat in fewer than 1 of 1000 curves", "[unit][estimate]") {
+TEST_CASE("power laws are called flat in fewer than 1 of 1000 curves", "[statistical][estimate]") {
   std::mt19937_64 engine(65);
   constexpr int kCurves = 2000;
   for (const double correlation : {0.0, std::sqrt(0.5)}) {

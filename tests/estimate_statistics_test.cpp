@@ -195,13 +195,13 @@ TEST_CASE("statistics scale exactly with powers of two up to the ends of the ran
 }
 
 TEST_CASE("the variance of u survives an offset of 1e8", "[unit][estimate]") {
-  constexpr std::uint64_t kSize = 1U << 16U;
+  constexpr std::uint64_t kCount = 1U << 16U;
   std::vector<double> values;
-  for (std::uint64_t i = 0; i < kSize; ++i) {
-    values.push_back(1e8 + (static_cast<double>(i) + 0.5) / kSize);
+  for (std::uint64_t i = 0; i < kCount; ++i) {
+    values.push_back(1e8 + (static_cast<double>(i) + 0.5) / kCount);
   }
   // Var of the midpoints is (1 − N^-2)/12; N/(N − 1) makes it unbiased.
-  const double n = kSize;
+  const double n = kCount;
   CHECK(*variance_of(values, values[12345]) ==
         Approx((1 - 1 / n / n) / 12 * n / (n - 1)).epsilon(1e-14));
 }

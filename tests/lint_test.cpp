@@ -63,15 +63,15 @@ std::string without_exact(const std::string& source) {
   std::istringstream lines(source);
   std::string line, kept;
   std::vector<int> levels;  // per open #if: 1 inside KOKSMA_EXACT, 0 elsewhere
+  static const std::regex opens(R"(^\s*#\s*if)"), opens_exact(R"(#\s*ifdef\s+KOKSMA_EXACT\b)");
+  static const std::regex turns(R"(^\s*#\s*(else|elif))"), closes(R"(^\s*#\s*endif)");
   while (std::getline(lines, line)) {
-    if (std::regex_search(line, std::regex(R"(^\s*#\s*if)")))
-      levels.push_back(std::regex_search(line, std::regex(R"(#\s*ifdef\s+KOKSMA_EXACT\b)")) ? 1
-                                                                                            : 0);
-    else if (std::regex_search(line, std::regex(R"(^\s*#\s*(else|elif))")) && !levels.empty())
+    if (std::regex_search(line, opens))
+      levels.push_back(std::regex_search(line, opens_exact) ? 1 : 0);
+    else if (std::regex_search(line, turns) && !levels.empty())
       levels.back() = 0;
     const bool exact = std::find(levels.begin(), levels.end(), 1) != levels.end();
-    if (std::regex_search(line, std::regex(R"(^\s*#\s*endif)")) && !levels.empty())
-      levels.pop_back();
+    if (std::regex_search(line, closes) && !levels.empty()) levels.pop_back();
     kept += (exact ? "" : line) + "\n";
   }
   return kept;
@@ -106,29 +106,31 @@ std::string without_wrapped_literals(std::string text) {
 std::vector<std::string> lint_piece(const std::string& source, bool is_sum) {
   const std::string text = without_wrapped_literals(without_exact(without_comments(source)));
   struct Rule {
-    const char* pattern;
+    std::regex pattern;
     const char* complaint;
     bool in_sums;
   };
   static const std::vector<Rule> rules{
-      {R"((^|[^\w.])([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+[eE][-+]?[0-9]+|[0-9]+\.[0-9]*[eE][-+]?[0-9]+|0[xX][0-9a-fA-F]*\.[0-9a-fA-F]*|0[xX][0-9a-fA-F]+\.?[0-9a-fA-F]*[pP][-+]?[0-9]+)[fF]?($|[^\w.]))",
+      {std::regex(
+           R"((^|[^\w.])([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+[eE][-+]?[0-9]+|[0-9]+\.[0-9]*[eE][-+]?[0-9]+|0[xX][0-9a-fA-F]*\.[0-9a-fA-F]*|0[xX][0-9a-fA-F]+\.?[0-9a-fA-F]*[pP][-+]?[0-9]+)[fF]?($|[^\w.]))"),
        "raw floating literal: write R(...)", true},
-      {R"(\?)", "?: is per lane on vectors only: select_real", true},
-      {R"(\b(any|all|select|isnan|isinf|isfinite)\s*\()",
+      {std::regex(R"(\?)"), "?: is per lane on vectors only: select_real", true},
+      {std::regex(R"(\b(any|all|select|isnan|isinf|isfinite)\s*\()"),
        "differs between scalars and vectors: any_lane, all_lanes, select_real, nonfinite_lanes",
        true},
-      {R"(~)", "~ on a mask is not ! at width 1: not_lanes", true},
-      {R"(\b(float|double|half)(2|3|4|8|16)\b)", "a vector type written out: real", true},
-      {R"(\b(convert_|as_)?(float|double|half)\b)", "a precision written out: real or scalar",
-       false},
-      {R"(\bfor\s*\(\s*(int|long|size_t)\b)", "loops run over uint", true},
+      {std::regex(R"(~)"), "~ on a mask is not ! at width 1: not_lanes", true},
+      {std::regex(R"(\b(float|double|half)(2|3|4|8|16)\b)"), "a vector type written out: real",
+       true},
+      {std::regex(R"(\b(convert_|as_)?(float|double|half)\b)"),
+       "a precision written out: real or scalar", false},
+      {std::regex(R"(\bfor\s*\(\s*(int|long|size_t)\b)"), "loops run over uint", true},
   };
   std::vector<std::string> complaints;
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number)
     for (const Rule& rule : rules)
-      if ((rule.in_sums || !is_sum) && std::regex_search(line, std::regex(rule.pattern)))
+      if ((rule.in_sums || !is_sum) && std::regex_search(line, rule.pattern))
         complaints.push_back(std::to_string(number) + ": " + rule.complaint);
   return complaints;
 }

@@ -1,4 +1,6 @@
 // koksma report: results in the formats of other tools hold the numbers of the results.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <set>
 
@@ -75,7 +77,7 @@ TEST_CASE("charts get a time and an error per row, each with name, unit, value, 
 
 TEST_CASE("the command writes each format and refuses others with those that there are", "[unit]") {
   const test::TemporaryFolder folder;
-  const std::string results = std::string(KOKSMA_SOURCE_DIR) + "/results/default-study.json";
+  const std::string results = fmt::format("{}/results/default-study.json", KOKSMA_SOURCE_DIR);
   for (const std::string& format : report_formats()) {
     const auto made = test::run_command("report " + results + " --format " + format + " -o " +
                                         folder.path(format + ".json"));

@@ -160,7 +160,7 @@ EnvironmentSet::~EnvironmentSet() {
 }
 
 std::string repository_file(const std::string& path) {
-  return read_text_file(std::string(KOKSMA_SOURCE_DIR) + "/" + path);
+  return read_text_file(std::filesystem::path(KOKSMA_SOURCE_DIR) / path);
 }
 
 }  // namespace koksma::test

@@ -12,6 +12,8 @@
 namespace koksma {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 // Sums of y and of what is squared, of the last run.
 struct Sums {
   double values = 0, squares = 0;
@@ -72,7 +74,6 @@ GeneralComparison compare_with_general(Device& device, const Catalog& catalog, c
   run(planned, plan, n, planned_sums);
   run(twin, general.plan, n, general_sums);
 
-  using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   Fastest planned_s, general_s;
   for (; result.rounds < rounds.most; ++result.rounds) {
