@@ -4,8 +4,9 @@
     lint_tidy.py ROOT BUILD [REGEX...]
 
 Most of clang-tidy's time goes into the headers that a file includes, so files with the same command line
-are checked in bundles, one file that includes several of a folder. Where names of two files collide, so
-that the bundle does not compile, the second makes a bundle with its like: what is checked is the same.
+are checked in bundles, one file that includes the files of a folder, or of a few small ones. Where names
+of two files collide, so that the bundle does not compile, the second makes a bundle with its like: what is
+checked is the same.
 Prints only findings in ROOT/harness and ROOT/tests; exit status 1 where there is one.
 """
 import concurrent.futures
@@ -17,12 +18,11 @@ import shlex
 import subprocess
 import sys
 
-BUNDLE = 48  # files of one folder: sixteen tests take 60 s, forty-four 75 s
+BUNDLE = 48  # files: sixteen tests take 60 s, forty-four 75 s
 
 
 def commands(root, build, patterns):
-    """Files by command line (without file and output) and folder; main.cpp, which may define what headers
-    declare, by itself."""
+    """Sets of files by command line (without file and output) and by folder."""
     groups = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         path = pathlib.Path(entry["file"])
@@ -34,9 +34,25 @@ def commands(root, build, patterns):
         for flag in ("-o", "-c"):
             at = words.index(flag)
             del words[at:at + 2]
-        apart = path if path.name == "main.cpp" else path.parent
-        groups.setdefault((entry["directory"], tuple(words), apart), set()).add(path)
+        # main.cpp may define what headers declare: by itself.
+        folder = path if path.name == "main.cpp" else path.parent
+        groups.setdefault((entry["directory"], tuple(words)), {}).setdefault(folder, set()).add(path)
     return groups
+
+
+def bundles(folders):
+    """Lists of files: whole folders as long as they fit, larger ones cut."""
+    merged, last = [], None
+    for folder in sorted(folders):
+        files = sorted(folders[folder])
+        alone = folder.suffix != ""
+        if last is not None and not alone and len(last) + len(files) <= BUNDLE:
+            last += files
+            continue
+        cut = [files[i:i + BUNDLE] for i in range(0, len(files), BUNDLE)]
+        merged += cut
+        last = last if alone else cut[-1]
+    return merged
 
 
 class Linter:
@@ -80,17 +96,16 @@ class Linter:
 def main():
     root, build = (pathlib.Path(p).resolve() for p in sys.argv[1:3])
     groups = commands(root, build, sys.argv[3:])
-    count, jobs = sum(map(len, groups.values())), os.cpu_count() or 1
+    count = sum(len(files) for folders in groups.values() for files in folders.values())
+    jobs = os.cpu_count() or 1
     if count == 0:
         sys.exit(f"lint: no C++ file of harness/ or tests/ matches {sys.argv[3:]}")
     print(f"lint: clang-tidy on {count} files, {jobs} at a time", flush=True)
     linter, failed = Linter(root, build), False
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        pending = []
-        for (directory, words, _), files in groups.items():
-            ordered = sorted(files)
-            pending += [pool.submit(linter.check, directory, words, ordered[i:i + BUNDLE])
-                        for i in range(0, len(ordered), BUNDLE)]
+        work = [(*key, files) for key, folders in groups.items() for files in bundles(folders)]
+        work.sort(key=lambda item: -len(item[-1]))  # the longest first
+        pending = [pool.submit(linter.check, *item) for item in work]
         for done in concurrent.futures.as_completed(pending):
             failed |= done.result() != ""
             print(done.result(), end="", flush=True)

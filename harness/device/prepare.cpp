@@ -40,10 +40,10 @@ Json header_of(const PlannedPreparation& p) {
           {"key", key_of(p)}};
 }
 
-using PointSet = std::shared_ptr<const std::vector<double>>;
+using PreparedSet = std::shared_ptr<const std::vector<double>>;
 
 // nullptr when there is no such file, or one that is not what it should be.
-PointSet load(const PlannedPreparation& p, const std::string& path) {
+PreparedSet load(const PlannedPreparation& p, const std::string& path) {
   const auto kept = kept_file(path, header_of(p));
   if (!kept || kept->size() != p.work.points * p.work.dim * 8) return nullptr;
   const std::string& bytes = *kept;
@@ -70,7 +70,7 @@ void enqueue(Device& device, const std::vector<cl::Buffer>& buffers, cl::Kernel&
                                       cl::NDRange(local));
 }
 
-PointSet compute(Device& device, const PlannedPreparation& p) {
+PreparedSet compute(Device& device, const PlannedPreparation& p) {
   const BuiltProgram built = device.build(p.program);
   const std::uint64_t values = p.work.points * p.work.dim;
   std::vector<std::uint64_t> sizes{(values + 1) * 8};
@@ -111,7 +111,7 @@ std::string cache_file(const PlannedPreparation& preparation) {
 std::vector<std::byte> point_table(Device& device, const Plan& plan, std::uint64_t n) {
   if (!plan.preparation) return build_point_table(plan, n);
   const PlannedPreparation& preparation = *plan.preparation;
-  PointSet& set = device.prepared()[key_of(preparation)];
+  PreparedSet& set = device.prepared()[key_of(preparation)];
   if (set == nullptr) {
     const std::string path = cache_file(preparation);
     set = load(preparation, path);
