@@ -11,7 +11,7 @@
 
 using namespace koksma;
 
-TEST_CASE("the calibration kernel runs, takes time and is counted", "[device]") {
+TEST_CASE("the calibration kernel runs, takes time and is counted", "[device][timing]") {
   Calibration calibration(test::device());
   CHECK(calibration.launches() == 0);
   std::vector<double> times(9);
@@ -23,7 +23,7 @@ TEST_CASE("the calibration kernel runs, takes time and is counted", "[device]") 
 }
 
 TEST_CASE("every timed launch has a calibration beside it, and long launches are not repeated",
-          "[device]") {
+          "[device][timing]") {
   for (const char* sampler : {"sobol-owen", "latin"}) {  // one table for all N, and one for each
     Cell cell = test::cell("linear-prod:d=2", sampler, 256, 4);
     cell.n = {256, 512, 1024};

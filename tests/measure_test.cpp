@@ -134,7 +134,7 @@ TEST_CASE("non-finite samples are counted wherever they are: first or last, any 
   }
 }
 
-TEST_CASE("a short row is repeated 5 times, and fewer times only after 20 ms", "[device]") {
+TEST_CASE("a short row is repeated 5 times, and fewer times only after 20 ms", "[device][timing]") {
   PreparedCell prepared(test::catalog(), test::device(), test::device(),
                         make_plan(test::catalog(), cell("linear-prod:d=2", "sobol-owen", 256, 2),
                                   test::device().facts()));
@@ -153,7 +153,7 @@ TEST_CASE("a short row is repeated 5 times, and fewer times only after 20 ms", "
   CHECK(apart);
 }
 
-TEST_CASE("the time of a run is that of all its launches", "[device]") {
+TEST_CASE("the time of a run is that of all its launches", "[device][timing]") {
   const Cell c = cell("genz-gaussian:d=20", "random", 1 << 16, 1);
   const auto fastest = [&](std::optional<std::uint64_t> items) {
     const Plan plan =

@@ -243,7 +243,7 @@ TEST_CASE("--until that is never there ends at beyond_n, or with the sampler, an
   CHECK_THAT(run.command.output, Contains("stopped: beyond-n") && Contains("stopped: sampler"));
 }
 
-TEST_CASE("--time-budget runs rows until the next is predicted to exceed it", "[device]") {
+TEST_CASE("--time-budget runs rows until the next is predicted to exceed it", "[device][timing]") {
   const test::TemporaryFolder folder;
   const std::string cell = kCell + "--sampler random --n 2^5..2^8 ";
   // Whatever the machine: the first row is run, and no other in a microsecond.

@@ -177,7 +177,7 @@ TEST_CASE("a tuning that is damaged or stale is refused with the reason, and is 
 }
 
 TEST_CASE("tuning times the default shape and others of every family, and plans then use it",
-          "[device]") {
+          "[device][timing]") {
   Device device = Device::choose("");
   TuningWork work = tuning_work(device.facts());
   CHECK(work.kernels.size() >= 3);
