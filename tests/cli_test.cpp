@@ -103,7 +103,7 @@ TEST_CASE(
 
 TEST_CASE("points as .csv have 17 digits, so that reading them gives the same bits", "[device]") {
   const test::TemporaryFolder folder;
-  for (const Sampler& s : test::samplers_by_kernel()) {
+  for (const Sampler& s : test::catalog().samplers) {
     if (!test::complete(s)) continue;
     const std::uint64_t n =
         s.extensible ? 32 : test::admitted_size(s, 2, 39);  // with --start 7: 32 points in both
