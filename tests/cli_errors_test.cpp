@@ -16,10 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Cheap cells: few samples of a product in two dimensions.
-const std::string kCheapCell =
-    "--scene linear-prod:d=2 --sampler sobol-owen --n 2^6 --replicates 4 ";
-
 void check_refused(const std::string& arguments, int status, const std::vector<std::string>& parts,
                    const std::string& environment = "") {
   const CommandResult result = run_command(arguments, environment);
@@ -63,10 +59,10 @@ TEST_CASE("bad studies and flags stop with status 2 before any device work, and 
                 {"--estimator: estimator 'mc' does not fit sampler 'sobol'", "these do: qmc"});
   check_refused("run --scene keister --sampler sobol-owen --n 2^6 --replicates 1" + out, 2,
                 {"--replicates: 1 replicate"});
-  check_refused("run " + kCheapCell + "--sum naiv" + out, 2,
+  check_refused("run " + test::kCheap + "--sum naiv" + out, 2,
                 {"--sum: unknown sum 'naiv'", "did you mean 'naive'?"});
   check_refused("run --scene keister --sampler sobol --n 2^99" + out, 2, {"--n: '2^99'"});
-  check_refused("run " + kCheapCell + "--integrand " + malformed + out, 2,
+  check_refused("run " + test::kCheap + "--integrand " + malformed + out, 2,
                 {malformed, "line 2, column 13"});
   CHECK_FALSE(fs::exists(folder.path("r.json")));
 }
@@ -100,9 +96,9 @@ TEST_CASE("an output that cannot be written is told before any device work, devi
   const test::TemporaryFolder folder;
   const std::string none = folder.path("none/r.json");
   for (const char* environment : {"", "OCL_ICD_VENDORS=/nonexistent/"}) {
-    check_refused("run " + kCheapCell + "--out " + none, 2,
+    check_refused("run " + test::kCheap + "--out " + none, 2,
                   {none, "cannot write: No such file or directory"}, environment);
-    check_refused("run " + kCheapCell + "--out " + folder.path(""), 2,
+    check_refused("run " + test::kCheap + "--out " + folder.path(""), 2,
                   {"cannot write: it is a folder"}, environment);
     check_refused("points --sampler sobol --dim 2 --n 4 --out " + folder.path("none/p.csv"), 2,
                   {"none/p.csv", "cannot write"}, environment);
@@ -115,7 +111,7 @@ TEST_CASE("without an OpenCL platform the status is 3 and the message says what 
   const test::TemporaryFolder folder, vendors;
   const std::string environment = "OCL_ICD_VENDORS=" + vendors.path("") + " OCL_ICD_FILENAMES=";
   for (const std::string& arguments :
-       {"run " + kCheapCell + "--out " + folder.path("r.json"), std::string("list devices"),
+       {"run " + test::kCheap + "--out " + folder.path("r.json"), std::string("list devices"),
         std::string("explain --scene keister --sampler sobol"),
         "points --sampler sobol --dim 2 --n 4 --out " + folder.path("p.csv")})
     check_refused(arguments, 3, {"no OpenCL device", "pocl-opencl-icd"}, environment);
@@ -131,11 +127,11 @@ TEST_CASE("a device selector that matches nothing has status 3 and lists the dev
   REQUIRE_FALSE(devices.empty());
   for (const char* selector : {"no-such-device", "99:0", "0:99"})
     check_refused(
-        "run " + kCheapCell + "--device " + selector + " --out " + folder.path("r.json"), 3,
+        "run " + test::kCheap + "--device " + selector + " --out " + folder.path("r.json"), 3,
         {"--device: '" + std::string(selector) + "' matches no device",
          devices[0]["name"].get<std::string>() + "  " + devices[0]["title"].get<std::string>()});
   CHECK_FALSE(fs::exists(folder.path("r.json")));
-  CHECK(run_command("run " + kCheapCell + "--quiet --device " +
+  CHECK(run_command("run " + test::kCheap + "--quiet --device " +
                     devices[0]["name"].get<std::string>() + " --out " + folder.path("r.json"))
             .status == 0);
 }

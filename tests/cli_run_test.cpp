@@ -18,29 +18,12 @@ using namespace koksma;
 using Catch::Contains;
 using koksma::test::CommandResult;
 using koksma::test::run_command;
+using koksma::test::run_study;
+using koksma::test::RunResult;
 
 namespace {
 
 namespace fs = std::filesystem;
-
-// Cheap cells: few samples of a product in two dimensions.
-const std::string kCheap = "--scene linear-prod:d=2 --sampler sobol-owen --n 2^6 --replicates 4 ";
-
-struct RunResult {
-  CommandResult command;
-  Json results;
-};
-
-// `koksma run` into a folder; its results, checked against the schema.
-RunResult run_study(const test::TemporaryFolder& folder, const std::string& arguments,
-                    const std::string& name = "r.json") {
-  RunResult result{run_command("run " + arguments + " --out " + folder.path(name)), {}};
-  INFO(result.command.output);
-  REQUIRE(fs::exists(folder.path(name)));
-  result.results = Json::parse(read_text_file(folder.path(name)));
-  check_schema(result.results, "results/results.schema.json", name);
-  return result;
-}
 
 // A user's pair of files: an embedded integrand under a new name, its code changed.
 std::string own_integrand(const test::TemporaryFolder& folder, const std::string& name,
@@ -145,12 +128,13 @@ TEST_CASE("two runs give identical errors, another seed gives others", "[device]
 
 TEST_CASE("the results say what was asked and how it was built", "[device]") {
   const test::TemporaryFolder folder;
-  const RunResult run = run_study(folder, kCheap + "--seed 5 --precision fp32 --sum kahan --quiet");
+  const RunResult run =
+      run_study(folder, test::kCheap + "--seed 5 --precision fp32 --sum kahan --quiet");
   CHECK(run.command.output.empty());
   CHECK(run.results["schema_version"] == kResultsSchemaVersion);
   CHECK(run.results["context"]["seed"] == 5);
   CHECK_THAT(run.results["context"]["command"].get<std::string>(),
-             Contains("run " + kCheap.substr(0, kCheap.size() - 1)));
+             Contains("run " + test::kCheap.substr(0, test::kCheap.size() - 1)));
   CHECK(run.results["context"]["study"]["cells"][0]["samplers"] == Json({"sobol-owen"}));
   const Json& cell = run.results["cells"][0];
   CHECK(cell["scene"]["text"] == "linear-prod:d=2");
@@ -330,7 +314,7 @@ TEST_CASE("a killed run loses no finished cell, and an edited integrand is measu
 TEST_CASE("output that is not to a terminal is plain lines, and quiet output is nothing",
           "[device]") {
   const test::TemporaryFolder folder;
-  const RunResult run = run_study(folder, kCheap);
+  const RunResult run = run_study(folder, test::kCheap);
   CHECK(run.command.status == 0);
   CHECK(run.command.output.find('\x1b') == std::string::npos);
   CHECK(run.command.output.find('\r') == std::string::npos);

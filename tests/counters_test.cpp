@@ -15,7 +15,6 @@ using test::cell;
 namespace {
 
 constexpr std::uint32_t kWidths[] = {1, 4, 8, 16};
-constexpr Precision kPrecisions[] = {Precision::fp32, Precision::fp64};
 constexpr std::size_t kPatterns = 16;
 
 template <typename Word>
@@ -172,7 +171,7 @@ std::string label(Precision precision, std::uint32_t lanes, std::uint64_t n) {
 
 TEST_CASE("values are counted by their bits, at every width and precision, relaxed or not",
           "[device]") {
-  for (const Precision precision : kPrecisions) {
+  for (const Precision precision : test::kPrecisions) {
     for (const std::uint64_t n : {1ULL, 3ULL, 37ULL, 255ULL, 1001ULL}) {
       const Counters expected = expected_of(drawn_values(n, 5, precision), precision);
       if (n == 1001) {
@@ -194,7 +193,7 @@ TEST_CASE("values are counted by their bits, at every width and precision, relax
 TEST_CASE("counters are the same for every launch split, and the counts for every shape",
           "[device]") {
   constexpr std::uint64_t n = 4099;
-  for (const Precision precision : kPrecisions) {
+  for (const Precision precision : test::kPrecisions) {
     const Counters whole = count(own().plan(n, 5, precision, {16, 1, {}, {}}));
     check_counts(whole, expected_of(drawn_values(n, 5, precision), precision));
     for (const std::uint64_t items : {1ULL, 4ULL, 7ULL, 33ULL}) {
@@ -292,7 +291,7 @@ Plan with_bad_coordinates(Plan plan) {
 
 TEST_CASE("samples with a coordinate outside (0,1) are counted once, whatever the others are",
           "[device]") {
-  for (const Precision precision : kPrecisions) {
+  for (const Precision precision : test::kPrecisions) {
     for (const std::uint64_t n : {7ULL, 999ULL, 1024ULL}) {
       const auto x =
           test::points({.sampler = "sobol", .dim = 2, .precision = precision, .count = n});
@@ -335,7 +334,7 @@ TEST_CASE("a limit that the precision can not hold is the nearest normal number 
     integrator.run(1001, 0, [](auto, auto, auto) {});
     return integrator.counters();
   };
-  for (const Precision precision : kPrecisions) {
+  for (const Precision precision : test::kPrecisions) {
     const Counters none = blow_ups(INFINITY, precision);
     CHECK(none.blow_ups == none.plus_inf + none.minus_inf);
     const double least = precision == Precision::fp64 ? std::numeric_limits<double>::min()

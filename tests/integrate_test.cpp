@@ -36,7 +36,6 @@ std::vector<double> values(const Cell& c, std::uint64_t first_block, std::uint64
 }
 
 // f = x + 1/2 on one coordinate: the sum tells which points were drawn.
-const char* const kIdentity = "linear-prod:d=1,scale=1,power=0";
 
 }  // namespace
 
@@ -96,7 +95,7 @@ TEST_CASE("any N is summed exactly as far as N: the last block is masked", "[dev
       const auto drawn = test::points({.sampler = "sobol-owen", .dim = 1, .count = n});
       for (const double x : drawn) direct.add(x + 0.5);
       ExactSum sum;
-      sum.add(partial_sums(cell(kIdentity, "sobol-owen", n), shape(lanes)));
+      sum.add(partial_sums(cell(test::kIdentity, "sobol-owen", n), shape(lanes)));
       INFO("N = " << n << " lanes " << lanes);
       CHECK(sum.rounded_quotient(n) == Approx(direct.rounded_quotient(n)).epsilon(1e-15));
     }
@@ -105,7 +104,7 @@ TEST_CASE("any N is summed exactly as far as N: the last block is masked", "[dev
 
 TEST_CASE("masked lanes add nothing to the second moment either", "[device]") {
   const std::uint64_t n = 37;
-  const Cell c = cell(kIdentity, "random", n, 1, "mc");
+  const Cell c = cell(test::kIdentity, "random", n, 1, "mc");
   const auto partials = partial_sums(c, shape(16));  // y0 = 0.25
   ExactSum squares, direct;
   squares.add(std::span(partials).subspan(partials.size() / 2));
@@ -181,7 +180,7 @@ TEST_CASE("what a work-group keeps in private memory is bounded, with pairs of s
 
 TEST_CASE("samples at and beyond index 2^32 are those of the points there", "[device]") {
   for (const char* sampler : {"sobol", "sobol-shift", "sobol-lms-shift", "sobol-owen", "random"}) {
-    Cell c = cell(kIdentity, sampler, 1ULL << 34);
+    Cell c = cell(test::kIdentity, sampler, 1ULL << 34);
     const std::uint64_t first = (1ULL << 32) - 64;
     const auto drawn = test::points({.sampler = sampler, .dim = 1, .start = first, .count = 128});
     const auto y = values(c, first >> 4, 8);
@@ -198,7 +197,7 @@ TEST_CASE("the first 2^m points of sobol sum to N/2 - 1/2, and a whole net keeps
   // Identity on van der Corput points: the error of the mean is -2^(-m-1) exactly (5-numerics 1.8).
   for (const std::uint64_t n : {1ULL << 8, 1ULL << 16, 1ULL << 20}) {
     ExactSum sum;
-    sum.add(partial_sums(cell(kIdentity, "sobol", n), shape(16)));
+    sum.add(partial_sums(cell(test::kIdentity, "sobol", n), shape(16)));
     CHECK(sum.rounded_quotient(n) - 1.0 == -0.5 / static_cast<double>(n));
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -170,6 +171,29 @@ TEST_CASE("a stage includes only itself and the stages above it", "[unit]") {
     CHECK(wrong_includes(stage, read_text_file(file)) == kNone);
   }
   CHECK(seen.size() >= 9);
+}
+
+TEST_CASE("no two headers define a type of the same name: the linker would take either", "[unit]") {
+  const auto types_of = [](const std::string& source) {
+    static const std::regex definition(R"re((^|\n)(?:struct|class|enum class) (\w+)[^;{\n]*\{)re");
+    std::vector<std::string> names;
+    for (auto it = std::sregex_iterator(source.begin(), source.end(), definition);
+         it != std::sregex_iterator(); ++it)
+      names.push_back((*it)[2]);
+    return names;
+  };
+  // The check sees what it must: definitions of the namespace, no declarations and no members.
+  CHECK(types_of("struct A {\n  struct B {\n  };\n};\nclass C;\nclass D final : public A {};\n"
+                 "enum class E : int { e };\n") == std::vector<std::string>{"A", "D", "E"});
+
+  std::map<std::string, std::string> seen;
+  for (const fs::path& file : files_under({"harness"}, {".hpp"}))
+    for (const std::string& name : types_of(read_text_file(file))) {
+      INFO(name << " in " << file.string() << " and in " << seen[name]);
+      CHECK(seen[name].empty());
+      seen[name] = file.string();
+    }
+  CHECK(seen.size() > 50);
 }
 
 TEST_CASE(

@@ -14,16 +14,12 @@
 using namespace koksma;
 using test::cell;
 
-namespace {
-
-const char* const kIdentityOfMeasure = "linear-prod:d=1,scale=1,power=0";  // x + 1/2
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("all 64 bits of the seed reach the samples", "[device]") {
   const std::uint64_t seed = (1ULL << 40) + 5;
   for (const char* sampler : {"random", "sobol-owen", "lattice-shift"}) {
-    Cell c = cell(kIdentityOfMeasure, sampler, 16);
+    Cell c = cell(test::kIdentity, sampler, 16);
     c.seed = seed;
     const Plan plan = make_plan(test::catalog(), c, test::device().facts());
     const ExactValues exact = compute_exact(test::device(), *plan.integrand, c.scene);
@@ -40,8 +36,8 @@ TEST_CASE("the block length follows from N alone and is what a row was summed wi
       {1, 8},           {1ULL << 14, 8},        {(1ULL << 14) + 1, 9}, {1ULL << 18, 12},
       {1ULL << 22, 16}, {(1ULL << 22) + 1, 16}, {1ULL << 40, 16}};
   for (const auto& [n, length] : expected) CHECK(log2_block_length(n) == length);
-  const Plan plan = make_plan(test::catalog(), cell(kIdentityOfMeasure, "sobol", 1 << 15),
-                              test::device().facts());
+  const Plan plan =
+      make_plan(test::catalog(), cell(test::kIdentity, "sobol", 1 << 15), test::device().facts());
   PreparedCell prepared(test::catalog(), test::device(), test::device(), plan);
   CHECK(prepared.run_row(1 << 15).log2_block == 9);
   std::size_t partials = 0;
@@ -113,7 +109,7 @@ TEST_CASE("non-finite samples are counted wherever they are: first or last, any 
   for (const std::uint64_t n : {1ULL, 3ULL, 16ULL, 37ULL, 256ULL, 300ULL, 1000ULL}) {
     for (const Precision precision : {Precision::fp32, Precision::fp64}) {
       for (const std::uint32_t lanes : {1U, 16U}) {
-        Cell c = cell(kIdentityOfMeasure, "random", n, 5);
+        Cell c = cell(test::kIdentity, "random", n, 5);
         c.scene.integrand = "my-holes";
         c.precision = precision;
         PreparedCell prepared(
@@ -171,9 +167,9 @@ TEST_CASE("the time of a run is that of all its launches", "[device][timing]") {
 
 TEST_CASE("the chi-squared test is for independent, resolved samples only", "[device]") {
   const auto test_of = [](const char* sampler, std::uint64_t n) {
-    PreparedCell prepared(test::catalog(), test::device(), test::device(),
-                          make_plan(test::catalog(), cell(kIdentityOfMeasure, sampler, n, 4),
-                                    test::device().facts()));
+    PreparedCell prepared(
+        test::catalog(), test::device(), test::device(),
+        make_plan(test::catalog(), cell(test::kIdentity, sampler, n, 4), test::device().facts()));
     return prepared.run_row(n).mc_test;
   };
   CHECK(test_of("random", 64).applicable);

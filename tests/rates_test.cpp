@@ -65,8 +65,6 @@ Moments moments_of(const std::string& scene, const std::string& sampler, std::ui
   return {mean, m2, m4 / (m2 * m2)};
 }
 
-const char* const kIdentityScene = "linear-prod:d=1,scale=1,power=0";  // x + 1/2
-
 }  // namespace
 
 TEST_CASE(
@@ -186,7 +184,7 @@ TEST_CASE(
   // whole test below 1e-6.
   const std::uint32_t replicates = 10000;
   for (const std::uint64_t n : {1ULL << 4, 1ULL << 8, 1ULL << 12}) {
-    const Moments m = moments_of(kIdentityScene, "sobol-owen", n, replicates);
+    const Moments m = moments_of(test::kIdentity, "sobol-owen", n, replicates);
     const double ratio = 12 * std::pow(static_cast<double>(n), 3) * m.variance;
     INFO("N = " << n << ": 12 N^3 Var = " << ratio << ", kurtosis " << m.kurtosis);
     CHECK(two_sided_chi2(ratio * replicates, replicates) > 1e-7);
@@ -199,7 +197,7 @@ TEST_CASE("nested scrambling is uniform in fp32 and in a later dimension too", "
   // Chi-squared at 1e-7 each.
   const std::uint32_t replicates = 2000;
   const std::uint64_t n = 256;
-  Cell cell = test::cell(kIdentityScene, "sobol-owen", n, replicates);
+  Cell cell = test::cell(test::kIdentity, "sobol-owen", n, replicates);
   cell.precision = Precision::fp32;
   PreparedCell prepared(test::catalog(), test::device(), test::device(),
                         make_plan(test::catalog(), cell, test::device().facts()));

@@ -20,18 +20,10 @@ namespace {
 
 const std::string kCell = "--scene linear-prod:d=2 --replicates 4 ";
 
-struct StoppedRun {
-  test::CommandResult command;
-  Json results;
-};
-
-StoppedRun run_cell(const test::TemporaryFolder& folder, const std::string& arguments) {
-  const std::string out = folder.path("r.json");
-  StoppedRun result{test::run_command("run " + arguments + " --out " + out), {}};
+test::RunResult run_cell(const test::TemporaryFolder& folder, const std::string& arguments) {
+  test::RunResult result = test::run_study(folder, arguments);
   INFO(result.command.output);
   REQUIRE(result.command.status == 0);
-  result.results = Json::parse(read_text_file(out));
-  check_schema(result.results, "results/results.schema.json", "r.json");
   return result;
 }
 
@@ -228,7 +220,7 @@ TEST_CASE("--until that is never there ends at beyond_n, or with the sampler, an
   const std::string file = folder.write("points.csv", points);
   Json study = study_with({{"until", 1e-12}, {"beyond_n", "2^9"}, {"replicates", 4}});
   study["cells"][0]["samplers"] = {"sobol-owen", "file:path=" + file};
-  const StoppedRun run = run_cell(folder, folder.write("s.json", study.dump()));
+  const test::RunResult run = run_cell(folder, folder.write("s.json", study.dump()));
   const Json& owen = run.results["cells"][0];
   CHECK(owen["status"] == "ok");
   CHECK(owen["stopped"]["by"] == "beyond-n");

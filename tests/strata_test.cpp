@@ -16,8 +16,6 @@ using test::has_property;
 
 namespace {
 
-constexpr Precision kBothPrecisions[] = {Precision::fp32, Precision::fp64};
-
 // The different sizes of a sampler next to a list of sizes, powers of two and others.
 std::set<std::uint64_t> sizes_of(const Sampler& s, std::uint32_t dim) {
   std::set<std::uint64_t> sizes;
@@ -34,7 +32,7 @@ struct Set {
 // Calls check(set) for every size, precision and, of randomized sets, two replicates.
 template <typename Check>
 void for_all_sets(const Sampler& s, std::uint32_t dim, const Check& check) {
-  for (const Precision precision : kBothPrecisions) {
+  for (const Precision precision : test::kPrecisions) {
     for (const std::uint64_t n : sizes_of(s, dim)) {
       for (const std::uint32_t r :
            s.replicable ? std::vector<std::uint32_t>{0, 3} : std::vector<std::uint32_t>{0}) {
@@ -177,7 +175,7 @@ TEST_CASE(
 
 TEST_CASE("the first pair of 02 holds the points of sobol-owen in two dimensions", "[device]") {
   // The two are one net under one scramble, in other orders.
-  for (const Precision precision : kBothPrecisions) {
+  for (const Precision precision : test::kPrecisions) {
     std::set<std::pair<double, double>> sets[2];
     for (const bool padded : {false, true}) {
       const std::uint32_t dim = padded ? 5 : 2;
@@ -250,7 +248,7 @@ TEST_CASE("the largest set of a sampler can be drawn at its end, in any blocks",
 TEST_CASE("a regular grid has its cells' centres, cut off to the coordinate's bits", "[device]") {
   for (const Sampler& s : test::catalog().samplers) {
     if (!has_property(s, "one-per-stratum") || s.replicable) continue;
-    for (const Precision precision : kBothPrecisions) {
+    for (const Precision precision : test::kPrecisions) {
       const int bits = precision == Precision::fp32 ? 23 : 52;
       for (const std::uint64_t m : {1U, 2U, 3U, 7U, 10U, 64U, 100U}) {
         const auto x = test::points(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <catch2/catch.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "catalog/json.hpp"
 #include "catalog/sizes.hpp"
 
 namespace koksma::test {
@@ -37,8 +39,7 @@ std::vector<double> points(const PointsSpec& spec) {
 }
 
 bool has_property(const Sampler& sampler, std::string_view property) {
-  return std::find(sampler.properties.begin(), sampler.properties.end(), property) !=
-         sampler.properties.end();
+  return declares(sampler.properties, property);
 }
 
 bool complete(const Sampler& sampler) {
@@ -145,6 +146,16 @@ TemporaryFolder::~TemporaryFolder() {
 std::string TemporaryFolder::write(const std::string& name, const std::string& text) const {
   std::ofstream(path(name), std::ios::binary) << text;
   return path(name);
+}
+
+RunResult run_study(const TemporaryFolder& folder, const std::string& arguments,
+                    const std::string& name) {
+  RunResult result{run_command("run " + arguments + " --out " + folder.path(name)), {}};
+  INFO(result.command.output);
+  REQUIRE(std::filesystem::exists(folder.path(name)));
+  result.results = Json::parse(read_text_file(folder.path(name)));
+  check_schema(result.results, "results/results.schema.json", name);
+  return result;
 }
 
 EnvironmentSet::EnvironmentSet(const char* name, const std::string& value) : name_(name) {

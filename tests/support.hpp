@@ -15,6 +15,13 @@
 
 namespace koksma::test {
 
+// The integrand x + 1/2.
+inline constexpr const char* kIdentity = "linear-prod:d=1,scale=1,power=0";
+// Arguments of a cheap cell: few samples of a product in two dimensions.
+inline const std::string kCheap =
+    "--scene linear-prod:d=2 --sampler sobol-owen --n 2^6 --replicates 4 ";
+inline constexpr Precision kPrecisions[] = {Precision::fp32, Precision::fp64};
+
 const Catalog& catalog();
 // The default device (PoCL), opened once.
 Device& device();
@@ -82,6 +89,14 @@ class TemporaryFolder {
  private:
   std::string path_;
 };
+
+// `koksma run` into a file of the folder; its results, checked against the schema.
+struct RunResult {
+  CommandResult command;
+  Json results;
+};
+RunResult run_study(const TemporaryFolder& folder, const std::string& arguments,
+                    const std::string& name = "r.json");
 
 // While it lives, an environment variable has this value.
 class EnvironmentSet {
