@@ -13,7 +13,7 @@ fi
 preset=${KOKSMA_PRESET:-$default}
 
 case $preset in
-  clang | sanitize) scripts/install.sh --lint ;;
+  clang | sanitize | sanitize-device) scripts/install.sh --lint ;;
   *) scripts/install.sh ;;
 esac
 build=build/$preset

@@ -47,15 +47,6 @@ double rms_gap(const std::vector<double>& a, const std::vector<double>& b) {
   return root_mean_square(gap);
 }
 
-CellResult run(const char* scene, const char* sampler, const char* sizes, Precision precision) {
-  Cell cell = test::cell(scene, sampler, 256, 16);
-  cell.n = parse_sizes(sizes, "test");
-  cell.precision = precision;
-  PreparedCell prepared(test::catalog(), test::device(), test::device(),
-                        make_plan(test::catalog(), cell, test::device().facts()));
-  return prepared.run();
-}
-
 }  // namespace
 
 TEST_CASE("the integrator's floor is the distance of its mean to the integral",
@@ -208,7 +199,8 @@ TEST_CASE("curves end within a factor of 10 of their estimated floors", "[device
                              Curve{"annuity-ar1:d=1", "lattice-shift-tent", Precision::fp32},
                              Curve{"expcos:d=2", "lattice-shift", Precision::fp32},
                              Curve{"korobov-b4:d=1", "lattice-shift", Precision::fp64}}) {
-    const CellResult result = run(curve.scene, curve.sampler, "2^9..2^18", curve.precision);
+    const CellResult result =
+        test::run_sizes(curve.scene, curve.sampler, "2^9..2^18", 16, curve.precision);
     INFO(curve.scene << ": " << result.rate.plateau.level << " at an estimated " << result.floor
                      << ", " << result.stability.reason);
     CHECK(result.stability.verdict == "PLATEAU_NUMERIC");

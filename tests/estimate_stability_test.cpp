@@ -54,16 +54,6 @@ Estimate with_interval() {
   return estimate;
 }
 
-CellResult run(const std::string& scene, const std::string& sampler, const std::string& sizes,
-               Precision precision) {
-  Cell cell = test::cell(scene, sampler, 256, 32);
-  cell.n = parse_sizes(sizes, "test");
-  cell.precision = precision;
-  PreparedCell prepared(test::catalog(), test::device(), test::device(),
-                        make_plan(test::catalog(), cell, test::device().facts()));
-  return prepared.run();
-}
-
 }  // namespace
 
 TEST_CASE("each fault has its verdict, and the first that applies is given", "[unit][estimate]") {
@@ -277,14 +267,15 @@ TEST_CASE("with infinite variance the median is all that stays of the errors", "
 TEST_CASE(
     "smooth scenes: nested scrambling in fp64 is OK, a tent lattice in fp32 ends at the floor",
     "[device][estimate]") {
-  const CellResult good = run("genz-gaussian:d=2", "sobol-owen", "2^8..2^16", Precision::fp64);
+  const CellResult good =
+      test::run_sizes("genz-gaussian:d=2", "sobol-owen", "2^8..2^16", 32, Precision::fp64);
   CHECK(good.stability.verdict == "OK");
   CHECK(good.stability.reason.empty());
   CHECK(*good.stability.n_eff > 30);
   CHECK(good.stability.z_bias);
 
-  const CellResult floor =
-      run("genz-oscillatory:d=1", "lattice-shift-tent", "2^8..2^19", Precision::fp32);
+  const CellResult floor = test::run_sizes("genz-oscillatory:d=1", "lattice-shift-tent",
+                                           "2^8..2^19", 32, Precision::fp32);
   INFO(floor.stability.reason);
   CHECK(floor.stability.verdict == "PLATEAU_NUMERIC");
   CHECK(floor.rate.plateau.rows >= 4);
@@ -295,19 +286,20 @@ TEST_CASE(
 TEST_CASE("few samples of a peak are unresolved and have no interval", "[device][estimate]") {
   // n_eff = 12/13 N (x + 1/2): 2^4 samples of 1 replicate are too few, 32·2^4 are pooled by mc.
   const CellResult few =
-      run("linear-prod:d=1,scale=1,power=0", "sobol-owen", "2^4", Precision::fp64);
+      test::run_sizes("linear-prod:d=1,scale=1,power=0", "sobol-owen", "2^4", 32, Precision::fp64);
   CHECK(few.stability.verdict == "UNRESOLVED");
   CHECK_FALSE(few.rows[0].estimate.interval);
   CHECK(few.rows[0].estimate.reason == "no interval: n_eff below 30");
   const CellResult pooled =
-      run("linear-prod:d=1,scale=1,power=0", "random", "2^4", Precision::fp64);
+      test::run_sizes("linear-prod:d=1,scale=1,power=0", "random", "2^4", 32, Precision::fp64);
   CHECK(pooled.stability.verdict == "UNRESOLVED");
   CHECK(pooled.rows[0].estimate.interval);
 }
 
 TEST_CASE("the table shows the verdict that is not OK, and of infinite variance the median's rate",
           "[device][estimate]") {
-  const CellResult result = run("genz-gaussian:d=2", "sobol-owen", "2^8..2^13", Precision::fp64);
+  const CellResult result =
+      test::run_sizes("genz-gaussian:d=2", "sobol-owen", "2^8..2^13", 32, Precision::fp64);
   Cell cell = result.cell;
   const Plan plan = make_plan(test::catalog(), cell, test::device().facts());
   Json results;

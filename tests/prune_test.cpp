@@ -142,6 +142,17 @@ TEST_CASE("functions and macros stay where the kernel reaches them, by whatever 
             .text == "#define KOKSMA_DIM 3\n#line 1 \"b.cl\"\n__kernel void k(void) {}\n");
 }
 
+TEST_CASE("integrands are part of the kernel's body where its loops are unrolled", "[unit]") {
+  const auto inlined = [](const char* scene) {
+    const Cell cell = test::cell(scene, "random", 256);
+    const std::string text = make_plan(test::catalog(), cell, some_device()).program.text;
+    const auto asked = text.find("real integrand(points *p, params q, coefficients c) __attr");
+    return asked < text.find("real integrand(points *p, params q, coefficients c) {");
+  };
+  CHECK(inlined("linear-prod:d=8"));
+  CHECK_FALSE(inlined("linear-prod:d=1000"));
+}
+
 TEST_CASE("the program of every sampler holds no function that nothing calls, and no open question",
           "[unit]") {
   std::size_t programs = 0, smaller = 0;

@@ -15,15 +15,6 @@ using koksma::test::two_sided_chi2;
 
 namespace {
 
-CellResult run(const std::string& scene, const std::string& sampler, const std::string& sizes,
-               std::uint32_t replicates) {
-  Cell cell = test::cell(scene, sampler, 256, replicates);
-  cell.n = parse_sizes(sizes, "test");
-  PreparedCell prepared(test::catalog(), test::device(), test::device(),
-                        make_plan(test::catalog(), cell, test::device().facts()));
-  return prepared.run();
-}
-
 // Least-squares slope of log2 RMSE over the rows that the fit used, also where they are too few for
 // a fit of its own.
 double slope_over_used(const CellResult& result) {
@@ -79,7 +70,7 @@ TEST_CASE(
         "genz-product-peak:d=1", "genz-product-peak:d=2", "genz-corner-peak:d=1",
         "genz-corner-peak:d=2", "linear-prod:d=2", "genz-c0:d=1,h=10", "genz-discontinuous:d=2",
         "simplex-indicator:d=2"}) {
-    const CellResult result = run(scene, "sobol-owen", "2^8..2^16", 32);
+    const CellResult result = test::run_sizes(scene, "sobol-owen", "2^8..2^16", 32);
     INFO(scene << ": slope " << *result.rate.slope << ", target "
                << result.verdict.target.value_or(0) << ", " << result.verdict.verdict);
     CHECK(result.verdict.verdict == "within-gate");
@@ -95,7 +86,7 @@ TEST_CASE("nested scrambling is at most at rate -1.25 on smooth scenes at d = 2 
     for (const char* scene :
          {"genz-oscillatory:d=2", "genz-oscillatory:d=3", "genz-gaussian:d=2", "genz-gaussian:d=3",
           "genz-corner-peak:d=2", "linear-prod:d=2", "linear-prod:d=3", "x2-1mx2:d=2"}) {
-      const CellResult result = run(scene, sampler, "2^8..2^16", 32);
+      const CellResult result = test::run_sizes(scene, sampler, "2^8..2^16", 32);
       INFO(sampler << " " << scene << ": slope " << *result.rate.slope);
       CHECK(*result.rate.slope <= -1.25);
     }
@@ -109,7 +100,7 @@ TEST_CASE("interlaced nets at d = 1: order 2 at most at rate -2.2, order 3 at mo
   for (const char* scene : {"genz-gaussian:d=1", "genz-oscillatory:d=1", "genz-corner-peak:d=1"}) {
     for (const auto& [sampler, bound] :
          {std::pair{"sobol-interlaced-2", -2.2}, {"sobol-interlaced-3", -3.0}}) {
-      const CellResult result = run(scene, sampler, "2^8..2^16", 32);
+      const CellResult result = test::run_sizes(scene, sampler, "2^8..2^16", 32);
       const double slope = slope_over_used(result);
       INFO(sampler << " " << scene << ": slope " << slope << " over " << result.rate.used.size());
       REQUIRE(result.rate.used.size() >= 4);
@@ -124,7 +115,7 @@ TEST_CASE(
     "[statistical]") {
   for (const char* scene : {"genz-gaussian:d=1", "genz-oscillatory:d=1", "genz-oscillatory:d=2",
                             "genz-corner-peak:d=1", "genz-corner-peak:d=2"}) {
-    const CellResult result = run(scene, "lattice-shift-tent", "2^8..2^16", 32);
+    const CellResult result = test::run_sizes(scene, "lattice-shift-tent", "2^8..2^16", 32);
     INFO(scene << ": slope " << *result.rate.slope);
     CHECK(*result.rate.slope <= -1.8);
     // At d = 2 the bound is two standard deviations away, so that other seeds are not gated there.
@@ -136,7 +127,7 @@ TEST_CASE("shifted lattices are at rate -4 on a Korobov alpha = 4 scene at d = 1
           "[statistical]") {
   // From 2^12 or 2^13 on the error is rounding: the rows before that are fitted.
   for (const char* sampler : {"lattice-shift", "lattice-random"}) {
-    const CellResult result = run("x2-1mx2:d=1", sampler, "2^8..2^16", 32);
+    const CellResult result = test::run_sizes("x2-1mx2:d=1", sampler, "2^8..2^16", 32);
     const double slope = slope_over_used(result);
     INFO(sampler << ": slope " << slope << " over " << result.rate.used.size());
     REQUIRE(result.rate.used.size() >= 4);
@@ -147,7 +138,7 @@ TEST_CASE("shifted lattices are at rate -4 on a Korobov alpha = 4 scene at d = 1
 TEST_CASE("gated rates hold: the shifted lattice at d = 1 on a non-periodic smooth scene",
           "[statistical]") {
   for (const char* scene : {"genz-gaussian:d=1", "genz-oscillatory:d=1", "genz-corner-peak:d=1"}) {
-    const CellResult result = run(scene, "lattice-shift", "2^8..2^16", 32);
+    const CellResult result = test::run_sizes(scene, "lattice-shift", "2^8..2^16", 32);
     INFO(scene << ": slope " << *result.rate.slope);
     CHECK(result.verdict.verdict == "within-gate");
   }
@@ -161,7 +152,7 @@ TEST_CASE("random passes the chi-squared test against the exact variance in ever
   for (const char* scene : {"genz-oscillatory:d=5", "genz-gaussian:d=2", "genz-discontinuous:d=2",
                             "simplex-indicator:d=2", "keister:d=5", "sobol-g:d=8", "ishigami",
                             "linear-prod:d=100,power=1", "gauss-ridge-cos:d=10"}) {
-    results.push_back(run(scene, "random", "2^8..2^14", 64));
+    results.push_back(test::run_sizes(scene, "random", "2^8..2^14", 64));
     rows += results.back().rows.size();
   }
   for (const CellResult& result : results) {
@@ -230,12 +221,14 @@ TEST_CASE(
     "[statistical]") {
   // 5-numerics section 3: at d = 1 LMS + shift has RMSE / median |e| above 10^4 on x e^x at N =
   // 4096, Owen 1.5.
-  const CellResult linear = run("genz-gaussian:d=1", "sobol-lms-shift", "2^8..2^16", 32);
+  const CellResult linear =
+      test::run_sizes("genz-gaussian:d=1", "sobol-lms-shift", "2^8..2^16", 32);
   CHECK(linear.rate.heavy_tailed);
   CHECK(linear.rate.median_slope);
   CHECK(linear.verdict.verdict != "within-gate");
   CHECK(linear.verdict.verdict != "outside-gate");
-  CHECK_FALSE(run("genz-gaussian:d=1", "sobol-owen", "2^8..2^16", 32).rate.heavy_tailed);
+  CHECK_FALSE(
+      test::run_sizes("genz-gaussian:d=1", "sobol-owen", "2^8..2^16", 32).rate.heavy_tailed);
 }
 
 TEST_CASE("a rate is not fitted through the fp32 floor, also where E|f| is unknown and I nearly 0",
@@ -255,7 +248,7 @@ TEST_CASE("a rate is not fitted through the fp32 floor, also where E|f| is unkno
 }
 
 TEST_CASE("independent points are judged by their exact variance", "[statistical]") {
-  const CellResult good = run("genz-gaussian:d=2", "random", "2^8..2^14", 64);
+  const CellResult good = test::run_sizes("genz-gaussian:d=2", "random", "2^8..2^14", 64);
   CHECK(good.verdict.verdict == "within-gate");
   CHECK(good.verdict.reason == "chi-squared test against the exact variance");
 }

@@ -8,6 +8,7 @@
 
 #include "report/compare.hpp"
 #include "report/compare_report.hpp"
+#include "report/compare_times.hpp"
 #include "report/results.hpp"
 #include "tests/support.hpp"
 
@@ -128,6 +129,42 @@ TEST_CASE("a slowdown of 30 % of everything, of one cell and of one row is found
   CHECK(cell >= 57);
   CHECK(row >= 57);
   CHECK(small == 0);  // 8 % are below the threshold, however sure
+}
+
+TEST_CASE("a spread seen in few ratios lets more pass as noise than one that is known", "[unit]") {
+  // 20 % by one of a hundred tests, 3.7 times the spread: beyond a normal variable's 3.09 at 0.001,
+  // and beyond Student's 3.17 of 100 degrees of freedom, not beyond the 5.2 of 6.
+  const auto decided = [](double spread, double dof, double ratio = 1.2) {
+    TimeChange time;
+    time.ratio = ratio;
+    time.p = 1e-9;
+    decide(time, 0.15, 0.001, spread, dof);
+    return time.change;
+  };
+  const double spread = std::log(1.2) / 3.7;
+  CHECK(decided(spread, 100) == Change::worse);
+  CHECK(decided(spread, 6) == Change::none);
+  CHECK(decided(spread, 6, 1.35) == Change::worse);
+  CHECK(decided(spread, 6, 1 / 1.35) == Change::better);
+  CHECK(decided(0, 1) == Change::worse);
+  // The degrees of freedom are those of spread_of: over many samples of 40 normal variables the
+  // relative variance of what it sees is 1 / (2 dof). 2000 samples: known to 0.035 of itself, four
+  // standard errors and a tenth for the asymptotic formula.
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal(0, 0.1);
+  double sum = 0, squares = 0;
+  constexpr int kSamples = 2000;
+  constexpr std::size_t kRatios = 40;
+  for (int k = 0; k < kSamples; ++k) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < kRatios; ++i) ratios.push_back(std::exp(normal(random)));
+    const double seen = spread_of(ratios);
+    sum += seen;
+    squares += seen * seen;
+  }
+  const double mean = sum / kSamples, variance = squares / kSamples - mean * mean;
+  CHECK(mean == Approx(0.1).epsilon(0.02));
+  CHECK(mean * mean / (2 * variance) == Approx(spread_dof(kRatios)).epsilon(0.24));
 }
 
 TEST_CASE("what got faster is told and is no regression", "[unit]") {

@@ -32,7 +32,7 @@ Suite part_of_suite(const std::set<std::string>& integrands) {
   return part;
 }
 
-std::vector<CaseOutcome> run(const Suite& suite) {
+std::vector<CaseOutcome> outcomes_of(const Suite& suite) {
   return run_suite(test::catalog(), test::device(), test::device(), suite, {});
 }
 
@@ -57,7 +57,7 @@ TEST_CASE("cases get the verdicts that they must, and one that does not is told"
   Suite suite = part_of_suite({"dahlquist", "cauchy", "prod-2x", "lattice-alias", "power-sing",
                                "cancel-1mcos", "logistic"});
   REQUIRE(suite.study.cells.size() > 15);
-  auto outcomes = run(suite);
+  auto outcomes = outcomes_of(suite);
   std::set<std::string> verdicts;
   for (const CaseOutcome& outcome : outcomes) {
     INFO(outcome.cell["scene"]["text"] << ": " << outcome.verdict);
@@ -85,7 +85,7 @@ TEST_CASE("cases get the verdicts that they must, and one that does not is told"
   wrong.study.cells = {suite.study.cells[place]};
   wrong.demands = {suite.demands[place]};
   wrong.demands[0]->verdict = "OK";
-  const Json json = report(run(wrong));
+  const Json json = report(outcomes_of(wrong));
   CHECK(!all_met(json));
   CHECK(json["cases"][0]["met"] == false);
   CHECK(stability_table(json).find("must be OK") != std::string::npos);

@@ -103,6 +103,15 @@ Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n,
   return result;
 }
 
+CellResult run_sizes(const std::string& scene, const std::string& sampler, const std::string& sizes,
+                     std::uint32_t replicates, std::optional<Precision> precision) {
+  Cell sized = cell(scene, sampler, 256, replicates);
+  sized.n = parse_sizes(sizes, "test");
+  sized.precision = precision;
+  return PreparedCell(catalog(), device(), device(), make_plan(catalog(), sized, device().facts()))
+      .run();
+}
+
 std::vector<double> partial_sums(const Cell& cell, const LaunchShape& shape) {
   const Plan plan = make_plan(catalog(), cell, device().facts(), "", {shape});
   const ExactValues exact = compute_exact(device(), *plan.integrand, cell.scene);

@@ -10,6 +10,7 @@
 #include "device/exact.hpp"
 #include "device/integrator.hpp"
 #include "device/points_dump.hpp"
+#include "estimate/measure.hpp"
 #include "plan/plan.hpp"
 #include "study/study.hpp"
 
@@ -64,6 +65,10 @@ std::uint64_t admitted_size(const Sampler& sampler, std::uint32_t dim, std::uint
 // A cell of one size.
 Cell cell(const std::string& scene, const std::string& sampler, std::uint64_t n,
           std::uint32_t replicates = 1, const std::string& estimator = "");
+
+// The estimates of a cell of several sizes, as "2^8..2^16".
+CellResult run_sizes(const std::string& scene, const std::string& sampler, const std::string& sizes,
+                     std::uint32_t replicates, std::optional<Precision> precision = {});
 
 // All partial sums of a cell under a launch shape, sorted by (word, replicate, block, lane) as the
 // device stores them.

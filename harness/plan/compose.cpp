@@ -15,6 +15,13 @@ namespace {
 // terminal.
 constexpr const char* kOptions = "-cl-std=CL1.2 -w";
 
+// Only in the kernel's own body is the number of drawn coordinates known before every draw: as a
+// function, which PoCL makes of anything large, unrolled loops still look for their subscripts, and
+// Philox is there once per coordinate instead of once in four.
+constexpr const char* kInlinedIntegrand =
+    "#if KOKSMA_UNROLLED\nstatic inline real integrand(points *p, params q, coefficients c) "
+    "__attribute__((always_inline));\n#endif\n";
+
 void append_piece(std::string& text, const SourceFile& piece) {
   text += fmt::format("#line 1 \"{}\"\n{}\n", piece.path, piece.text);
 }
@@ -103,6 +110,7 @@ void append_integrand(std::string& text, const Catalog& catalog, const Integrand
                       const Scene& scene) {
   text += choices_source(f, scene);
   text += params_source(f, "scalar");
+  text += kInlinedIntegrand;
   if (const std::string* solver = solver_of(f, scene.choices)) {
     text += fmt::format("#define KOKSMA_ODE_SIZE {}\n", f.ode_size);
     const Solver& method = catalog.solver(*solver);

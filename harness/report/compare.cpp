@@ -262,12 +262,15 @@ class Comparer {
     const double threshold = result_.options.threshold, share = result_.options.alpha / kLevels;
     const auto rows = static_cast<double>(result_.rows_timed),
                cells = static_cast<double>(result_.cells_timed);
+    const double row_dof = spread_dof(result_.rows_timed),
+                 cell_dof = result_.cells_timed < kLeastForSpread ? row_dof
+                                                                  : spread_dof(result_.cells_timed);
     for (CellChange& cell : result_.cells) {
       for (RowChange& row : cell.rows)
-        decide(row.time, threshold, share / rows, result_.row_spread);
-      decide(cell.time, threshold, share / cells, result_.cell_spread);
+        decide(row.time, threshold, share / rows, result_.row_spread, row_dof);
+      decide(cell.time, threshold, share / cells, result_.cell_spread, cell_dof);
     }
-    decide(result_.study, threshold, share, result_.study_spread);
+    decide(result_.study, threshold, share, result_.study_spread, cell_dof);
   }
 
   Comparison result_;

@@ -10,8 +10,9 @@
 // number (Bonferroni). Rank tests
 // take launches for independent, but those of one second share what disturbs them; so a change must
 // also lie beyond what is likely, at the same levels, by the spread of the ratios between rows,
-// between cells, and of the median over cells (report/compare_times.hpp). What a whole run has in
-// common is what the threshold is for.
+// between cells, and of the median over cells, with Student's quantiles, as a spread seen in few
+// ratios is not known well (report/compare_times.hpp). What a whole run has in common is what the
+// threshold is for.
 //
 // Errors: a row is worse where the confidence intervals of the two RMSE do not overlap and the
 // difference of their logarithms is beyond alpha divided by the rows, taking the intervals for

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "estimate/quantile.hpp"
@@ -63,17 +64,25 @@ double spread_of(const std::vector<double>& ratios) {
   std::vector<double> logs;
   for (const double ratio : ratios) logs.push_back(std::log(ratio));
   std::sort(logs.begin(), logs.end());
-  const boost::math::normal normal;
-  constexpr double kLow = 0.1, kHigh = 0.3;
-  return (quantile_of(logs, kHigh) - quantile_of(logs, kLow)) /
-         (boost::math::quantile(normal, kHigh) - boost::math::quantile(normal, kLow));
+  constexpr double kLow = 0.1, kHigh = 0.4;
+  const auto n = static_cast<double>(logs.size());
+  // What a sample quantile of n normal variables is on average: quantile_of's p lies at place
+  // p (n - 1), counted from 0.
+  const auto expected = [n](double p) {
+    return boost::math::quantile(boost::math::normal(), (p * (n - 1) + 0.625) / (n + 0.25));
+  };
+  return (quantile_of(logs, kHigh) - quantile_of(logs, kLow)) / (expected(kHigh) - expected(kLow));
 }
 
-void decide(TimeChange& time, double threshold, double p_limit, double spread) {
+void decide(TimeChange& time, double threshold, double p_limit, double spread, double dof) {
   if (!(time.ratio > 0)) return;
   time.change = Change::none;
-  const double z = boost::math::quantile(boost::math::complement(boost::math::normal(), p_limit));
-  if (time.p > p_limit || std::fabs(std::log(time.ratio)) < z * spread) return;
+  if (time.p > p_limit) return;
+  if (spread > 0) {
+    const boost::math::students_t student(dof);
+    const double most = spread * boost::math::quantile(boost::math::complement(student, p_limit));
+    if (std::fabs(std::log(time.ratio)) < most) return;
+  }
   if (time.ratio >= 1 + threshold) time.change = Change::worse;
   if (time.ratio <= 1 / (1 + threshold)) time.change = Change::better;
 }

@@ -20,14 +20,20 @@ TimeChange time_change(const Stratum& row);
 TimeChange combined_change(const std::vector<Stratum>& rows);
 
 // How far ratios of things that did not change lie apart, as the standard deviation of their
-// logarithms, seen in the lower part of all: (q30 - q10) / 0.757, the quantiles of a normal
-// distribution. What is slower, up to 70 % of all, lies above and does not count; what is slower
-// by the same factor everywhere cancels. 0 of fewer than kLeastForSpread ratios.
+// logarithms, seen in the lower part of all: q40 - q10 beside the same of normal variables (at
+// Blom's 1958 positions). What is slower, up to 60 % of all, lies above and does not count; what is
+// slower by the same factor everywhere cancels. 0 of fewer than kLeastForSpread ratios.
 inline constexpr std::size_t kLeastForSpread = 10;
 double spread_of(const std::vector<double>& ratios);
 
-// A change beyond the threshold, beyond p_limit, and beyond what a normal variable of this standard
-// deviation (of the logarithm) exceeds with that probability.
-void decide(TimeChange& time, double threshold, double p_limit, double spread);
+// Degrees of freedom of a spread seen in so many ratios: with those, an estimated standard
+// deviation of normal variables has the relative variance that q40 - q10 has, 2.61 / n for large n
+// (from the asymptotic covariance of sample quantiles, David & Nagaraja 2003, 10.2), 1 / (2 dof).
+inline double spread_dof(std::size_t ratios) { return static_cast<double>(ratios) / 5.22; }
+
+// A change beyond the threshold, beyond p_limit, and beyond what a Student variable exceeds with
+// that probability, times the spread (of the logarithm): so few ratios tell a spread that a normal
+// one's limit would be exceeded by chance. dof > 0; a spread of 0 is none.
+void decide(TimeChange& time, double threshold, double p_limit, double spread, double dof);
 
 }  // namespace koksma

@@ -21,28 +21,14 @@ static inline void points_seek(points *p, __global const word *switches, ulong f
   p->dim = 0;
 }
 
-// The quartet at hand; in fp64 one or two dimensions at the end share a block (parts/philox.cl, random_dimensions).
-static inline void general_quartet(points *p, words32 low, words32 high, uint k) {
-#if KOKSMA_FP64
-  const uint left = p->dims - 4 * k;
-  if (left == 1 || left == 2) {
-    words32 halves[4];
-    philox_rounds(low, high, p->seed, p->replicate, k * 2, halves);
-    p->buffer[0] = KOKSMA_TO_BITS(halves[0]) << 32 | KOKSMA_TO_BITS(halves[2]);
-    p->buffer[1] = KOKSMA_TO_BITS(halves[1]) << 32 | KOKSMA_TO_BITS(halves[3]);
-    return;
-  }
-#endif
-  random_quartet(low, high, p->seed, p->replicate, 0, k, p->buffer);
-}
-
 static inline real points_next(points *p) {
   const uint slot = p->dim & 3;
   if (slot == 0) {
     const uint antithetic = p->antithetic;
     words32 low = lane_numbers() + (uint)p->index;
     if (antithetic) low = ((lane_numbers() + (uint)(p->index & 1)) >> 1) + (uint)(p->index >> 1);
-    general_quartet(p, low, (words32)(uint)(p->index >> (32 + antithetic)), p->dim / 4);
+    random_quartet(low, (words32)(uint)(p->index >> (32 + antithetic)), p->seed, p->replicate, 0, p->dim / 4,
+                   p->dims - p->dim, p->buffer);
     if (antithetic) {
       const bits odd = KOKSMA_TO_BITS((lane_numbers() + (uint)p->index) & 1u);
       for (uint i = 0; i < 4; ++i) p->buffer[i] ^= (word)0 - odd;

@@ -44,7 +44,7 @@ static inline void enter_tile(points *p) {
 #endif
   for (uint q = 0; q < quartets; ++q) {
     bits random[4];
-    random_quartet((words32)(uint)p->tile, (words32)(uint)(p->tile >> 32), p->seed, p->replicate, 11, q, random);
+    random_quartet((words32)(uint)p->tile, (words32)(uint)(p->tile >> 32), p->seed, p->replicate, 11, q, 4, random);
     for (uint i = 0; i < 4; ++i) {
       word lanes[KOKSMA_LANES_PER_ITEM];  // all the same
       store_lanes(random[i], lanes);

@@ -26,7 +26,7 @@ typedef struct {
 static inline void points_seek(points *p, __global const word *table, ulong first, ulong n, ulong seed, uint replicate,
                                uint lane) {
   bits random[4];
-  random_quartet((words32)(0u), (words32)(0u), seed, replicate, 11, 0, random);
+  random_quartet((words32)(0u), (words32)(0u), seed, replicate, 11, 0, 4, random);
   word lanes[3][KOKSMA_LANES_PER_ITEM];  // all the same
   for (uint i = 0; i < 3; ++i) store_lanes(random[i], lanes[i]);
   p->shift[0] = lanes[0][0];

@@ -8,14 +8,17 @@
 #if KOKSMA_LANES_PER_ITEM == 16
 typedef ulong8 philox_slots;
 #define KOKSMA_AS_SLOTS as_ulong8
+#define KOKSMA_TO_SLOTS convert_ulong8
 #define KOKSMA_AS_WORDS32 as_uint16
 #elif KOKSMA_LANES_PER_ITEM == 8
 typedef ulong4 philox_slots;
 #define KOKSMA_AS_SLOTS as_ulong4
+#define KOKSMA_TO_SLOTS convert_ulong4
 #define KOKSMA_AS_WORDS32 as_uint8
 #elif KOKSMA_LANES_PER_ITEM == 4
 typedef ulong2 philox_slots;
 #define KOKSMA_AS_SLOTS as_ulong2
+#define KOKSMA_TO_SLOTS convert_ulong2
 #define KOKSMA_AS_WORDS32 as_uint4
 #else
 typedef ulong philox_slots;
@@ -73,38 +76,53 @@ __attribute__((always_inline)) static inline void philox_rounds(words32 c0, word
 #endif
 }
 
-// Four words of `bits` for lanes with the index words c0 and c1, quartet k of a purpose. Output c of block 2k is the
-// high half of word c, output c of block 2k + 1 its low half, so that fp32, which keeps the high half, computes block
-// 2k only.
-static inline void random_quartet(words32 c0, words32 c1, ulong seed, uint replicate, uint purpose, uint k,
-                                  bits out[4]) {
-  words32 high[4];
-  philox_rounds(c0, c1, seed, replicate, purpose << 24 | k * 2, high);
 #if KOKSMA_FP64
-  words32 low[4];
-  philox_rounds(c0, c1, seed, replicate, purpose << 24 | (k * 2 + 1), low);
+// Four words of 64 bits for the indices of some slots. Two blocks hold them, high halves in block 2k, low halves in
+// block 2k + 1; but where one or two dimensions are left, block 2k holds both, high in outputs 0 and 1, low in 2 and 3:
+// half the work at d = 1 and 2.
+__attribute__((always_inline)) static inline void philox_fractions(philox_slots c0, philox_slots c1, ulong seed,
+                                                                   uint replicate, uint purpose, uint k, uint left,
+                                                                   philox_slots out[4]) {
+  philox_slots high[4];
+  philox_slot_rounds(c0, c1, seed, replicate, purpose << 24 | k * 2, high);
+  if (left == 1 || left == 2) {
+    out[0] = high[0] << 32 | (high[2] & 0xFFFFFFFFUL);
+    out[1] = high[1] << 32 | (high[3] & 0xFFFFFFFFUL);
+    return;
+  }
+  philox_slots low[4];
+  philox_slot_rounds(c0, c1, seed, replicate, purpose << 24 | (k * 2 + 1), low);
   _Pragma("unroll")
-  for (uint i = 0; i < 4; ++i) out[i] = KOKSMA_TO_BITS(high[i]) << 32 | KOKSMA_TO_BITS(low[i]);
+  for (uint i = 0; i < 4; ++i) out[i] = high[i] << 32 | (low[i] & 0xFFFFFFFFUL);
+}
+#endif
+
+// Four words of `bits` for lanes with the index words c0 and c1, quartet k of a purpose; left: how many dimensions there
+// are from 4k on. fp32 keeps the high halves of fp64's words, so it computes block 2k only.
+static inline void random_quartet(words32 c0, words32 c1, ulong seed, uint replicate, uint purpose, uint k, uint left,
+                                  bits out[4]) {
+#if !KOKSMA_FP64
+  philox_rounds(c0, c1, seed, replicate, purpose << 24 | k * 2, out);
+#elif KOKSMA_LANES_PER_ITEM == 1
+  philox_fractions(c0, c1, seed, replicate, purpose, k, left, out);
 #else
+  // Lanes as they come: a word fills a slot, so nothing is packed, which even and odd lanes cost a sixth of the time.
+  philox_slots first[4], second[4];
+  philox_fractions(KOKSMA_TO_SLOTS(c0.lo), KOKSMA_TO_SLOTS(c1.lo), seed, replicate, purpose, k, left, first);
+  philox_fractions(KOKSMA_TO_SLOTS(c0.hi), KOKSMA_TO_SLOTS(c1.hi), seed, replicate, purpose, k, left, second);
   _Pragma("unroll")
-  for (uint i = 0; i < 4; ++i) out[i] = high[i];
+  for (uint i = 0; i < 4; ++i) out[i] = (bits)(first[i], second[i]);
 #endif
 }
 
-// One word each for dimensions 4k ... 4k+3, as far as there are so many. Where one or two dimensions are left in the
-// last quartet, block 2k holds both halves, high in outputs 0 and 1, low in 2 and 3: half the work at d = 1 and 2.
+// One word each for dimensions 4k ... 4k+3, as far as there are so many.
 static inline void random_dimensions(words32 c0, words32 c1, ulong seed, uint replicate, uint purpose, uint k,
                                      bits out[4]) {
-#if KOKSMA_FP64 && (KOKSMA_DIM % 4 == 1 || KOKSMA_DIM % 4 == 2)
-  if (k == KOKSMA_DIM / 4) {
-    words32 halves[4];
-    philox_rounds(c0, c1, seed, replicate, purpose << 24 | k * 2, halves);
-    out[0] = KOKSMA_TO_BITS(halves[0]) << 32 | KOKSMA_TO_BITS(halves[2]);
-    out[1] = KOKSMA_TO_BITS(halves[1]) << 32 | KOKSMA_TO_BITS(halves[3]);
-    return;
-  }
+#if KOKSMA_DIM % 4 == 1 || KOKSMA_DIM % 4 == 2
+  random_quartet(c0, c1, seed, replicate, purpose, k, KOKSMA_DIM - 4 * k, out);
+#else
+  random_quartet(c0, c1, seed, replicate, purpose, k, 4, out);
 #endif
-  random_quartet(c0, c1, seed, replicate, purpose, k, out);
 }
 
 // random_dimensions of the lanes' own consecutive indices, `index` that of the first lane. It is a multiple of W and W
