@@ -147,10 +147,13 @@ TEST_CASE("integrands are part of the kernel's body where its loops are unrolled
     const Cell cell = test::cell(scene, "random", 256);
     const std::string text = make_plan(test::catalog(), cell, some_device()).program.text;
     const auto asked = text.find("real integrand(points *p, params q, coefficients c) __attr");
-    return asked < text.find("real integrand(points *p, params q, coefficients c) {");
+    const auto defined = text.find("real integrand(points *p, params q, coefficients c) {");
+    REQUIRE(defined != std::string::npos);
+    return asked < defined;
   };
   CHECK(inlined("linear-prod:d=8"));
   CHECK_FALSE(inlined("linear-prod:d=1000"));
+  CHECK_FALSE(inlined("asian-geometric-call-pca:d=16"));
 }
 
 TEST_CASE("the program of every sampler holds no function that nothing calls, and no open question",
