@@ -31,6 +31,14 @@ std::set<std::string> names(const std::string& code, const std::string& pattern)
 std::string renamed(const Integrand& f, const Scene& scene, std::size_t k) {
   std::string source;
   append_integrand(source, catalog(), f, scene);
+  // Functions, whatever a plan makes of them: PoCL has three copies of a kernel's body, and all
+  // integrands in each take minutes to build.
+  const std::string inlined = "always_inline", defined = "static inline real integrand(";
+  if (const auto at = source.find(inlined); at != std::string::npos)
+    source.replace(at, inlined.size(), "noinline");
+  else
+    source.replace(source.find(defined), defined.size(),
+                   "__attribute__((noinline)) static real integrand(");
   source.insert(0, 1, '\n');  // names begin lines
   std::set<std::string> own = names(source, R"(\nstatic [^;{=]*?(\w+)\()");
   own.merge(names(source, R"(\n__constant \w+ (\w+))"));
