@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <regex>
 #include <set>
 
@@ -27,10 +28,8 @@ std::set<std::string> names(const std::string& code, const std::string& pattern)
   return found;
 }
 
-// The piece with its own names made those of item k, so that others may have the same.
-std::string renamed(const Integrand& f, const Scene& scene, std::size_t k) {
-  std::string source;
-  append_integrand(source, catalog(), f, scene);
+// The piece with its own names made those of the k-th, so that others may have the same.
+std::string renamed(const Integrand& f, std::string source, std::size_t k) {
   // Functions, whatever a plan makes of them: PoCL has three copies of a kernel's body, and all
   // integrands in each take minutes to build.
   const std::string inlined = "always_inline", defined = "static inline real integrand(";
@@ -54,7 +53,14 @@ std::string renamed(const Integrand& f, const Scene& scene, std::size_t k) {
   return before + source + after;
 }
 
-ProgramSource batch_program(const std::vector<BatchItem>& items, bool fp64, std::uint32_t lanes) {
+// The program, and for each item the one of its functions that computes it: scenes that differ in
+// parameters alone share one, as parameters are arguments.
+struct BatchProgram {
+  ProgramSource source;
+  std::vector<std::uint32_t> function;
+};
+
+BatchProgram batch_program(const std::vector<BatchItem>& items, bool fp64, std::uint32_t lanes) {
   const std::uint32_t dim = items.front().scene.dim;
   std::string text = fmt::format(
       "#define KOKSMA_LANES_PER_ITEM {}\n#define KOKSMA_FP64 {}\n#define KOKSMA_DIM {}\n"
@@ -64,33 +70,41 @@ ProgramSource batch_program(const std::vector<BatchItem>& items, bool fp64, std:
   text += embedded_text("kernels/centred.cl");
   std::set<std::string> transforms;
   std::string pieces, calls;
-  for (std::size_t k = 0; k < items.size(); ++k) {
-    const Integrand& f = catalog().integrand(items[k].scene.integrand, "test");
+  std::map<std::string, std::uint32_t> seen;
+  std::vector<std::uint32_t> function;
+  for (const BatchItem& item : items) {
+    const Integrand& f = catalog().integrand(item.scene.integrand, "test");
+    std::string code;
+    append_integrand(code, catalog(), f, item.scene);
+    const auto [place, is_new] = seen.emplace(code, seen.size());
+    const std::uint32_t k = function.emplace_back(place->second);
+    if (!is_new) continue;
     for (const std::string& name : f.transforms)
       if (transforms.insert(name).second) text += catalog().transform(name).code.text;
-    pieces += renamed(f, items[k].scene, k);
-    calls +=
-        fmt::format("  if (item == {0}) y = integrand_{0}(&p, load_params_{0}(values), c);\n", k);
+    pieces += renamed(f, code, k);
+    calls += fmt::format(
+        "  if (function == {0}) y = integrand_{0}(&p, load_params_{0}(values), c);\n", k);
   }
-  text +=
-      pieces +
-      "__kernel void evaluate(uint item, __global const scalar *x, __global const scalar *values,\n"
-      "                       coefficients c, __global scalar *out, __global uint *drawn) {\n"
-      "  const uint lane = (uint)get_global_id(0) * KOKSMA_LANES_PER_ITEM;\n"
-      "  points p;\n  p.x = x + lane;\n  p.dim = 0;\n  real y = R(0.0);\n" +
-      calls + "  store_lanes(y, out + lane);\n  drawn[get_global_id(0)] = p.dim;\n}\n";
-  return {"a batch of integrands", std::move(text), "-cl-std=CL1.2 -w"};
+  text += pieces +
+          "__kernel void evaluate(uint function, __global const scalar *x, __global const scalar "
+          "*values,\n"
+          "                       coefficients c, __global scalar *out, __global uint *drawn) {\n"
+          "  const uint lane = (uint)get_global_id(0) * KOKSMA_LANES_PER_ITEM;\n"
+          "  points p;\n  p.x = x + lane;\n  p.dim = 0;\n  real y = R(0.0);\n" +
+          calls + "  store_lanes(y, out + lane);\n  drawn[get_global_id(0)] = p.dim;\n}\n";
+  return {{"a batch of integrands", std::move(text), "-cl-std=CL1.2 -w"}, std::move(function)};
 }
 
-BatchValue evaluate_one(cl::Kernel& kernel, std::uint32_t index, const BatchItem& item, bool fp64,
-                        std::uint32_t lanes) {
+BatchValue evaluate_one(cl::Kernel& kernel, std::uint32_t function, const BatchItem& item,
+                        bool fp64, std::uint32_t lanes) {
   const Integrand& f = catalog().integrand(item.scene.integrand, "test");
-  const ExactValues exact = compute_exact(device(), f, item.scene);
+  ExactValues exact;  // its coefficients, which most have not: half a second less
+  if (!f.coefficients.empty()) exact = compute_exact(device(), f, item.scene);
   const cl::Buffer x = device().upload_reals(item.x, fp64);
   const cl::Buffer values = device().upload_reals(item.scene.parameters, fp64);
   const cl::Buffer coefficients = device().upload_reals(exact.coefficients, fp64);
   const cl::Buffer out = device().allocate(kPoints * 8), drawn = device().allocate(kPoints * 4);
-  kernel.setArg(0, cl_uint{index});
+  kernel.setArg(0, cl_uint{function});
   kernel.setArg(1, x);
   kernel.setArg(2, values);
   kernel.setArg(3, coefficients);
@@ -116,10 +130,11 @@ BatchValue evaluate_one(cl::Kernel& kernel, std::uint32_t index, const BatchItem
 std::vector<BatchValue> evaluate(const std::vector<BatchItem>& items, Precision precision,
                                  std::uint32_t lanes) {
   const bool fp64 = precision == Precision::fp64;
-  cl::Kernel kernel(device().build(batch_program(items, fp64, lanes)).program, "evaluate");
+  const BatchProgram batch = batch_program(items, fp64, lanes);
+  cl::Kernel kernel(device().build(batch.source).program, "evaluate");
   std::vector<BatchValue> result;
   for (std::size_t k = 0; k < items.size(); ++k)
-    result.push_back(evaluate_one(kernel, static_cast<std::uint32_t>(k), items[k], fp64, lanes));
+    result.push_back(evaluate_one(kernel, batch.function[k], items[k], fp64, lanes));
   return result;
 }
 
