@@ -14,8 +14,6 @@
 using namespace koksma;
 using test::cell;
 
-namespace {}  // namespace
-
 TEST_CASE("all 64 bits of the seed reach the samples", "[device]") {
   const std::uint64_t seed = (1ULL << 40) + 5;
   for (const char* sampler : {"random", "sobol-owen", "lattice-shift"}) {
@@ -163,6 +161,38 @@ TEST_CASE("the time of a run is that of all its launches", "[device][timing]") {
   };
   // 64 launches of one block: as much work, less of it at once.
   CHECK(fastest(1) > fastest({}) / 2);
+}
+
+TEST_CASE("runs made together have times of their own, in order, and change no sums",
+          "[device][timing]") {
+  const Plan plan =
+      make_plan(test::catalog(), test::cell("linear-prod:d=8", "sobol-lms-shift", 1 << 16, 8),
+                test::device().facts());
+  Integrator integrator(
+      test::device(), plan,
+      compute_exact(test::device(), *plan.integrand, plan.cell.scene).coefficients);
+  const auto sums = [&](std::uint64_t n) {
+    std::vector<double> all;
+    integrator.run(n, 0, [&](std::uint32_t, std::uint32_t, std::span<const double> partials) {
+      all.insert(all.end(), partials.begin(), partials.end());
+    });
+    return all;
+  };
+  const auto before = sums(1 << 8);
+  const std::vector<std::uint64_t> sizes{1 << 16, 1 << 8, 1 << 16, 1 << 8};
+  REQUIRE(integrator.one_launch(1 << 16));
+  // 256 times the work takes longer, whatever else runs: the least of three.
+  std::vector<double> least(sizes.size(), INFINITY);
+  for (int k = 0; k < 3; ++k) {
+    const auto times = integrator.times_together(sizes, 0);
+    REQUIRE(times.size() == sizes.size());
+    for (std::size_t i = 0; i < sizes.size(); ++i) least[i] = std::min(least[i], times[i]);
+  }
+  CHECK(least[1] > 0);
+  CHECK(std::min(least[0], least[2]) > 3 * std::max(least[1], least[3]));
+  CHECK(sums(1 << 8) == before);
+  // The blocks of this N are more than a launch takes.
+  CHECK_FALSE(integrator.one_launch(std::uint64_t{1} << 50));
 }
 
 TEST_CASE("the chi-squared test is for independent, resolved samples only", "[device]") {

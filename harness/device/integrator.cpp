@@ -13,6 +13,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// The arguments of `integrate` (kernels/integrate.cl).
+enum Argument : cl_uint {
+  kTable,
+  kValues,
+  kCoefficients,
+  kFirstBlock,
+  kBlocks,
+  kN,
+  kSeed,
+  kLog2Block,
+  kFirstReplicate,
+  kY0,
+  kOutput,
+  kCounters
+};
+
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -108,11 +124,10 @@ double Integrator::for_each_launch(std::uint64_t n, std::uint32_t log2_block,
 }
 
 double Integrator::run(std::uint64_t n, double y0, const PartialSums& take) {
-  const std::uint32_t b = log2_block(n);
-  const std::uint64_t blocks = rounded_up(n, std::uint64_t{1} << b) >> b;
-  if (!plan_.counters) return run_blocks(n, b, 0, blocks, plan_.launched_replicates(), y0, take);
+  const Launch l = whole_run(n, y0);
+  if (!plan_.counters) return run_blocks(n, l.log2_block, 0, l.blocks, l.replicates, y0, take);
   begin_counters(n);
-  const double seconds = for_each_launch(n, b, 0, blocks, plan_.launched_replicates(), y0, kernel_,
+  const double seconds = for_each_launch(n, l.log2_block, 0, l.blocks, l.replicates, y0, kernel_,
                                          [&](const Flight& landed) {
                                            hand_out(landed, take);
                                            read_counters(landed.launch);
@@ -142,32 +157,84 @@ cl::Buffer& Integrator::next_output(std::size_t bytes) {
   return output.buffer;
 }
 
+std::size_t Integrator::output_bytes(const Launch& l) const {
+  return partial_sums(l) * (plan_.stores_doubles() ? 8 : 4);
+}
+
+void Integrator::set_arguments(cl::Kernel& kernel, const Launch& l, const cl::Buffer& output) {
+  kernel.setArg(kTable, table_);
+  kernel.setArg(kValues, values_);
+  kernel.setArg(kCoefficients, coefficients_);
+  kernel.setArg(kFirstBlock, cl_ulong{l.first_block});
+  set_size_arguments(kernel, l);
+  kernel.setArg(kSeed, cl_ulong{plan_.cell.seed});
+  kernel.setArg(kFirstReplicate, cl_uint{l.first_replicate});
+  set_real(kernel, kY0, l.y0, plan_.stores_doubles());
+  kernel.setArg(kOutput, output);
+  if (counts(kernel)) set_counter_arguments(kernel, kCounters, l);
+}
+
+void Integrator::set_size_arguments(cl::Kernel& kernel, const Launch& l) {
+  kernel.setArg(kBlocks, cl_ulong{l.blocks});
+  kernel.setArg(kN, cl_ulong{l.n});
+  kernel.setArg(kLog2Block, cl_uint{l.log2_block});
+}
+
+cl::Event Integrator::enqueue(cl::Kernel& kernel, const Launch& l) {
+  const std::uint64_t items = l.blocks * (kLanes / plan_.shape.lanes_per_item);
+  cl::Event event;
+  device_.queue().enqueueNDRangeKernel(
+      kernel, cl::NullRange, cl::NDRange(rounded_up(items, plan_.shape.local_size), l.replicates),
+      cl::NDRange(plan_.shape.local_size, 1), nullptr, &event);
+  return event;
+}
+
 // One wait covers the kernel and the sums: mapping them is queued right behind it, and where the
 // device shares the host's memory nothing is copied.
 Integrator::Flight Integrator::start(cl::Kernel& kernel, const Launch& l) {
   prepare(l.n);
   return checked([&] {
-    const std::size_t bytes = partial_sums(l) * (plan_.stores_doubles() ? 8 : 4);
+    const std::size_t bytes = output_bytes(l);
     Flight flight{l, {}, {}, nullptr, next_output(bytes)};
-    cl_uint arg = 0;
-    kernel.setArg(arg++, table_);
-    kernel.setArg(arg++, values_);
-    kernel.setArg(arg++, coefficients_);
-    for (const std::uint64_t value : {l.first_block, l.blocks, l.n, plan_.cell.seed})
-      kernel.setArg(arg++, cl_ulong{value});
-    kernel.setArg(arg++, cl_uint{l.log2_block});
-    kernel.setArg(arg++, cl_uint{l.first_replicate});
-    set_real(kernel, arg++, l.y0, plan_.stores_doubles());
-    kernel.setArg(arg++, flight.output);
-    if (counts(kernel)) set_counter_arguments(kernel, arg, l);
-    const std::uint64_t items = l.blocks * (kLanes / plan_.shape.lanes_per_item);
-    device_.queue().enqueueNDRangeKernel(
-        kernel, cl::NullRange, cl::NDRange(rounded_up(items, plan_.shape.local_size), l.replicates),
-        cl::NDRange(plan_.shape.local_size, 1), nullptr, &flight.kernel);
+    set_arguments(kernel, l, flight.output);
+    flight.kernel = enqueue(kernel, l);
     flight.partials = device_.queue().enqueueMapBuffer(flight.output, CL_FALSE, CL_MAP_READ, 0,
                                                        bytes, nullptr, &flight.mapped);
     device_.queue().flush();
     return flight;
+  });
+}
+
+Integrator::Launch Integrator::whole_run(std::uint64_t n, double y0) const {
+  const std::uint32_t b = log2_block(n);
+  const std::uint64_t blocks = rounded_up(n, std::uint64_t{1} << b) >> b;
+  return {n, 0, blocks, b, 0, plan_.launched_replicates(), y0};
+}
+
+bool Integrator::one_launch(std::uint64_t n) const {
+  const Launch whole = whole_run(n, 0);
+  return !plan_.counters &&
+         whole.blocks * whole.replicates <= plan_.shape.items_per_launch.value_or(kItemsPerLaunch);
+}
+
+std::vector<double> Integrator::times_together(std::span<const std::uint64_t> sizes, double y0) {
+  prepare(sizes.front());
+  return checked([&] {
+    std::size_t bytes = 0;
+    for (const std::uint64_t n : sizes) bytes = std::max(bytes, output_bytes(whole_run(n, y0)));
+    const cl::Buffer output = next_output(bytes);
+    std::vector<cl::Event> events;
+    set_arguments(kernel_, whole_run(sizes.front(), y0), output);
+    for (const std::uint64_t n : sizes) {
+      // On a CPU the host takes a core from the launch before, so no more is done than must be.
+      const Launch launch = whole_run(n, y0);
+      set_size_arguments(kernel_, launch);
+      events.push_back(enqueue(kernel_, launch));
+    }
+    events.back().wait();  // flushes; the queue keeps the order
+    std::vector<double> seconds;
+    for (const cl::Event& event : events) seconds.push_back(event_seconds(event));
+    return seconds;
   });
 }
 
@@ -228,10 +295,10 @@ const Counters& Integrator::count(const Catalog& catalog, std::uint64_t n) {
     const BuiltProgram built = device_.build(counting_program(catalog, plan_));
     counting_kernel_ = checked([&] { return cl::Kernel(built.program, "integrate"); });
   }
-  const std::uint32_t b = log2_block(n);
+  const Launch l = whole_run(n, 0);
   begin_counters(n);
-  for_each_launch(n, b, 0, rounded_up(n, std::uint64_t{1} << b) >> b, plan_.launched_replicates(),
-                  0.0, plan_.counters ? kernel_ : counting_kernel_,
+  for_each_launch(n, l.log2_block, 0, l.blocks, l.replicates, 0,
+                  plan_.counters ? kernel_ : counting_kernel_,
                   [&](const Flight& landed) { read_counters(landed.launch); });
   finish_counters();
   return counters_;

@@ -67,6 +67,13 @@ class Integrator {
                     std::uint64_t end_block, std::uint32_t replicates, double y0,
                     const PartialSums& take);
 
+  // Whether a run of n samples is one launch, and times_together() may have it.
+  bool one_launch(std::uint64_t n) const;
+  // Kernel seconds of runs of `sizes` samples (not empty), in that order, queued behind each other
+  // and waited for once, so that the device does not wait for the host between them. Their sums are
+  // not read. Sizes as one_launch() wants them, all the same where the sampler is not extensible.
+  std::vector<double> times_together(std::span<const std::uint64_t> sizes, double y0);
+
   // f at the first `count` points of replicate 0, count a multiple of 16. Of a set that is not
   // extensible those of the cell's largest N that is not above count, or of its smallest N.
   std::vector<double> first_values(std::uint64_t count = 16);
@@ -101,6 +108,13 @@ class Integrator {
     void* partials = nullptr;  // valid once `mapped` is complete, until release()
     cl::Buffer output;
   };
+  Launch whole_run(std::uint64_t n, double y0) const;
+  std::size_t output_bytes(const Launch& launch) const;
+  void set_arguments(cl::Kernel& kernel, const Launch& launch, const cl::Buffer& output);
+  // Those among them that runs of different sizes differ in.
+  void set_size_arguments(cl::Kernel& kernel, const Launch& launch);
+  // Queues the launch, its arguments set, and returns its event.
+  cl::Event enqueue(cl::Kernel& kernel, const Launch& launch);
   Flight start(cl::Kernel& kernel, const Launch& launch);
   double land(Flight& flight);
   void release(Flight& flight);

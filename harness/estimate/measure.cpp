@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include "estimate/quantile.hpp"
 #include "estimate/stopping.hpp"
@@ -112,24 +113,82 @@ Row PreparedCell::first_launch(std::uint64_t n, TimedLaunches& timed) {
   return row;
 }
 
+// Launches whose sums nobody reads, of rows short enough, are made many at a time
+// (Integrator::times_together): waiting for each would take as long as they do.
+class PreparedCell::Together {
+ public:
+  Together(Integrator& integrator, double y0, std::vector<Row>& rows, TimedLaunches& timed)
+      : integrator_(integrator), y0_(y0), rows_(rows), timed_(timed) {}
+
+  // Launches of the row and their seconds, those still to be made among them.
+  std::size_t count(std::size_t row) const {
+    return rows_[row].kernel_times.size() + waiting_of(row);
+  }
+  double spent(std::size_t row) const {
+    return timed_.spent(rows_[row].n) +
+           static_cast<double>(waiting_of(row)) * rows_[row].kernel_times.back();
+  }
+  bool admits(std::size_t row) const {
+    return rows_[row].kernel_times.back() < kSecondsBetweenCalibrations &&
+           integrator_.one_launch(rows_[row].n);
+  }
+  void add(std::size_t row) {
+    waiting_.push_back(row);
+    seconds_ += rows_[row].kernel_times.back();
+    if (seconds_ >= kSecondsBetweenCalibrations) launch();
+  }
+  void launch() {
+    if (waiting_.empty()) return;
+    std::vector<std::uint64_t> sizes;
+    for (const std::size_t row : waiting_) sizes.push_back(rows_[row].n);
+    const auto start = Clock::now();
+    const std::vector<double> kernel_s = integrator_.times_together(sizes, y0_);
+    const double wall = seconds_since(start);
+    const double total = std::accumulate(kernel_s.begin(), kernel_s.end(), 0.0);
+    for (std::size_t i = 0; i < waiting_.size(); ++i)
+      timed_.add(rows_[waiting_[i]], kernel_s[i], total > 0 ? wall * kernel_s[i] / total : 0,
+                 false);
+    waiting_.clear();
+    seconds_ = 0;
+  }
+
+ private:
+  std::size_t waiting_of(std::size_t row) const {
+    return static_cast<std::size_t>(std::count(waiting_.begin(), waiting_.end(), row));
+  }
+
+  Integrator& integrator_;
+  double y0_;
+  std::vector<Row>& rows_;
+  TimedLaunches& timed_;
+  std::vector<std::size_t> waiting_;
+  double seconds_ = 0;  // that they are expected to take
+};
+
 void PreparedCell::time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds,
                                TimedLaunches& timed) {
   Sums sums;
   const PartialSums ignore = [](std::uint32_t, std::uint32_t, std::span<const double>) {};
+  Together together(*integrator_, y0_, rows, timed);
   bool again = true;
   while (again) {
     again = false;
     for (std::size_t i = first; i < rows.size(); ++i) {
-      const std::size_t count = rows[i].kernel_times.size();
-      if (enough_launches(count, timed.spent(rows[i].n), most_rounds)) continue;
+      const std::size_t count = together.count(i);
+      if (enough_launches(count, together.spent(i), most_rounds)) continue;
       again = true;
-      const auto start = Clock::now();
       const bool merged = count < kMergedLaunches;
+      if (!merged && together.admits(i)) {
+        together.add(i);
+        continue;
+      }
+      const auto start = Clock::now();
       const double kernel_s =
           merged ? once(rows[i].n, sums) : integrator_->run(rows[i].n, y0_, ignore);
       timed.add(rows[i], kernel_s, seconds_since(start), merged);
     }
   }
+  together.launch();
   timed.finish(rows, first);
 }
 

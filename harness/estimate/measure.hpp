@@ -43,6 +43,7 @@ class PreparedCell {
 
  private:
   struct Sums;
+  class Together;
   Stopped run_rows(const std::optional<Reference>& reference, std::vector<Row>& rows);
   // Tables to n, beyond the plan's sizes; else the reason why the sampler can not.
   std::string extend(std::uint64_t n);
@@ -50,7 +51,8 @@ class PreparedCell {
   double once(std::uint64_t n, Sums& sums);
   // The first launch of a row, and what it gives; its times go to timed.
   Row first_launch(std::uint64_t n, TimedLaunches& timed);
-  // Further rounds over these rows, one launch of each after the other, then their times.
+  // Further rounds over these rows, one launch of each after the other, then their times. The first
+  // five launches of a row are waited for and merged one by one, as row.wall counts them.
   void time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds,
                    TimedLaunches& timed);
   void summarise(const Sums& sums, Row& row);

@@ -7,7 +7,6 @@
 namespace koksma {
 namespace {
 
-constexpr double kSecondsBetween = 0.0025;  // of launches, from one calibration to the next
 constexpr std::size_t kMostAtOnce = 5;
 constexpr double kRepeatSeconds = 0.020, kMostSeconds = 0.060;
 constexpr std::size_t kLeastLaunches = 3;
@@ -35,7 +34,7 @@ void TimedLaunches::add(Row& row, double kernel_s, double wall_s, bool merged) {
   times.spent += wall_s;
   uncovered_.push_back(row.n);
   since_ += wall_s;
-  if (since_ >= kSecondsBetween) calibrate();
+  if (since_ >= kSecondsBetweenCalibrations) calibrate();
 }
 
 double TimedLaunches::spent(std::uint64_t n) const {
@@ -45,7 +44,7 @@ double TimedLaunches::spent(std::uint64_t n) const {
 
 void TimedLaunches::calibrate() {
   const auto count = static_cast<std::size_t>(
-      std::clamp(since_ / kSecondsBetween, 1.0, static_cast<double>(kMostAtOnce)));
+      std::clamp(since_ / kSecondsBetweenCalibrations, 1.0, static_cast<double>(kMostAtOnce)));
   // The least: a launch that meets another process tells of that, not of the device's speed.
   double after = calibration_.run();
   for (std::size_t k = 1; k < count; ++k) after = std::min(after, calibration_.run());

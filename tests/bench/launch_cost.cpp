@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <numeric>
 
 #include "estimate/exact_sum.hpp"
 #include "rounds.hpp"
@@ -85,6 +86,41 @@ void launch_overhead(State& state, const OverheadRow& row, std::vector<std::stri
   state.counters["rounds"] = static_cast<double>(rounds);
   if (overhead > kAllowedOverhead)
     missed.push_back(fmt::format("launch_overhead {} {} 2^{}: {:.3f} > {}",
+                                 precision_name(row.precision), row.sampler, row.log2_coordinates,
+                                 overhead, kAllowedOverhead));
+}
+
+// The same launches as koksma times short rows, so many behind each other before one wait: 2.5 ms
+// of the shortest row, which is what it queues.
+constexpr std::size_t kTogether = 32, kLeastTogetherRounds = 60, kMostTogetherRounds = 600;
+
+void overhead_together(State& state, const OverheadRow& row, std::vector<std::string>& missed) {
+  const Plan plan = make_plan(catalog(), cell_of(row.sampler, row.precision, row.log2_coordinates),
+                              device().facts());
+  Integrator integrator(device(), plan,
+                        compute_exact(device(), *plan.integrand, plan.cell.scene).coefficients);
+  const std::vector<std::uint64_t> sizes(kTogether, plan.cell.n.front());
+  Fastest kernel, wall;
+  std::size_t rounds = 0;
+  for (auto _ : state) {
+    while (rounds < kLeastTogetherRounds ||
+           (rounds < kMostTogetherRounds && !(kernel.settled() && wall.settled()))) {
+      const auto start = Clock::now();
+      const std::vector<double> times = integrator.times_together(sizes, 0);
+      wall.add(seconds_since(start));
+      kernel.add(std::accumulate(times.begin(), times.end(), 0.0));
+      ++rounds;
+    }
+    state.SetIterationTime(wall.best());
+  }
+  const double overhead = wall.best() / kernel.best() - 1;
+  state.counters["overhead"] = overhead;
+  state.counters["allowed"] = kAllowedOverhead;
+  state.counters["kernel_us"] = kernel.best() * 1e6 / kTogether;
+  state.counters["wall_us"] = wall.best() * 1e6 / kTogether;
+  state.counters["rounds"] = static_cast<double>(rounds);
+  if (overhead > kAllowedOverhead)
+    missed.push_back(fmt::format("launches_together {} {} 2^{}: {:.3f} > {}",
                                  precision_name(row.precision), row.sampler, row.log2_coordinates,
                                  overhead, kAllowedOverhead));
 }
@@ -206,6 +242,9 @@ void register_launch_cost(std::vector<std::string>& missed) {
         add(fmt::format("launch_overhead/{}/{}/log2_coordinates:{}", precision_name(precision),
                         sampler, log2_coordinates),
             missed, [row, &missed](State& state) { launch_overhead(state, row, missed); });
+        add(fmt::format("launches_together/{}/{}/log2_coordinates:{}", precision_name(precision),
+                        sampler, log2_coordinates),
+            missed, [row, &missed](State& state) { overhead_together(state, row, missed); });
       }
   add("first_row", missed, [&missed](State& state) { first_row(state, missed); });
   add("default_study", missed, [&missed](State& state) { default_study(state, missed); });
