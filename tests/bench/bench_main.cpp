@@ -5,8 +5,8 @@
 // planned_vs_general/<scene>/<sampler> compares planned kernels with general ones.
 // prepare times point sets that the device builds; counters/<scene>/<sampler> the cells of the
 // default study with counters beside those without, counters/default-study all of them.
-// launch_overhead/…, launches_together/…, first_row and default_study: what a run costs besides its kernels
-// (launch_cost.hpp).
+// launch_overhead/…, launches_together/…, first_row and default_study: what a run costs besides its
+// kernels (launch_cost.hpp).
 //
 // The exit status is 1 when a row fails, a row's `ratio` is below its `required`, its `slower` or
 // `overhead` above its `allowed`, or its `growth_mb` not below its `limit_mb`.
