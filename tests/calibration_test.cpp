@@ -38,6 +38,8 @@ TEST_CASE("every timed launch has a calibration beside it, and long launches are
       CHECK(row.kernel_times.size() <= 16);
       CHECK(row.calibration.size() == row.kernel_times.size());
       CHECK(row.kernel.count == row.kernel_times.size());
+      // Merged and waited for one by one are five, the others are made together.
+      CHECK(row.wall.count == std::min<std::size_t>(5, row.kernel.count));
       CHECK(row.kernel.min == *std::min_element(row.kernel_times.begin(), row.kernel_times.end()));
       for (const double t : row.calibration) CHECK(t > 1e-6);
       launches += row.kernel_times.size();
