@@ -106,6 +106,21 @@ TEST_CASE("the crossover counts what is below Monte Carlo for sure, at equal N a
              Contains("not below"));
 }
 
+TEST_CASE("at equal N Monte Carlo gets the samples of all randomizations of one estimate",
+          "[unit]") {
+  // 40 / N is below 1 / sqrt(16 N) from N > 25600.
+  Json cells = Json::array();
+  for (const CurveSpec& spec : {kRandom, kOwen})
+    cells.push_back(cell_to_json(test::catalog(), curve(spec), nullptr));
+  cells[1]["plan"] = {{"replicates_per_estimate", 16}};
+  Study study;
+  study.verbatim = Json::object();
+  const Json results = make_results(make_context(DeviceFacts{}, study, "koksma run"), cells);
+  const Json& crossover = results["cells"][1]["efficiency"]["crossover"];
+  CHECK(crossover["equal_n"]["n"] == 32768);
+  CHECK(crossover["equal_time"]["n"] == 4096);  // time is that of the estimate already
+}
+
 TEST_CASE("without a known variance the base is the fitted line of its cell", "[unit]") {
   CellResult random = curve({"random", -0.5, 2, 1e-6});
   CellResult owen = curve(kOwen);

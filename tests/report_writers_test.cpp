@@ -1,6 +1,7 @@
 // koksma report: results in the formats of other tools hold the numbers of the results.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <set>
 
@@ -73,6 +74,22 @@ TEST_CASE("charts get a time and an error per row, each with name, unit, value, 
   CHECK(json[0]["unit"] == "us");
   CHECK(json[0]["value"].get<double>() == Approx(row["kernel_s"]["median"].get<double>() * 1e6));
   CHECK_THAT(json[0]["range"].get<std::string>(), Catch::StartsWith("± "));
+  // The range of an error is half its interval.
+  std::size_t with_range = 0;
+  for (const Json& cell : results["cells"]) {
+    for (const Json& r : cell["rows"]) {
+      if (!r["rmse"].is_number() || !r["rmse_interval"].is_array()) continue;
+      const double half =
+          (r["rmse_interval"][1].get<double>() - r["rmse_interval"][0].get<double>()) / 2;
+      const auto found = std::find_if(json.begin(), json.end(), [&](const Json& e) {
+        return e["unit"] == "RMSE" && e["value"] == r["rmse"] && e.contains("range");
+      });
+      REQUIRE(found != json.end());
+      CHECK((*found)["range"] == fmt::format("± {:.3g}", half));
+      ++with_range;
+    }
+  }
+  CHECK(with_range > 0);
 }
 
 TEST_CASE("the command writes each format and refuses others with those that there are", "[unit]") {

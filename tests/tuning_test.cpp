@@ -89,6 +89,17 @@ TEST_CASE("a family that was not timed takes the geometric mean over those that 
   CHECK(choice(device_with(shapes), f, "random").shape.lanes_per_item == 8);
   CHECK(choice(device_with(shapes), f, "sobol").shape.lanes_per_item == 4);
   CHECK(choice(device_with(shapes), f, "lattice").shape.lanes_per_item == 4);  // 1.25, 0.77
+  // 3 and 1 / 2.5 times as fast is less in the geometric mean than twice 1.2, in the other mean
+  // more.
+  const auto uneven = device_with({timed("random", 16, 1.0), timed("digital", 16, 1.0),
+                                   timed("random", 8, 1 / 3.0), timed("digital", 8, 2.5),
+                                   timed("random", 4, 1 / 1.2), timed("digital", 4, 1 / 1.2)});
+  CHECK(choice(uneven, f, "lattice").shape.lanes_per_item == 4);
+  // A shape that one family alone was timed with does not stand beside those of all.
+  const auto partly =
+      device_with({timed("random", 16, 1.0), timed("digital", 16, 1.0), timed("random", 8, 0.1),
+                   timed("random", 4, 0.8), timed("digital", 4, 0.8)});
+  CHECK(choice(partly, f, "lattice").shape.lanes_per_item == 4);
 }
 
 TEST_CASE("width 1 and the others are exchanged only for integrands of exact operations",
