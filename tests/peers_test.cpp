@@ -66,8 +66,8 @@ TEST_CASE("times to tolerances, ratios and rounds of the comparison are right on
 TEST_CASE("the committed comparison and cost follow their schemas", "[unit]") {
   CHECK_NOTHROW(
       check_schema(results_file("peers.json"), "results/peers.schema.json", "peers.json"));
-  CHECK_NOTHROW(check_schema(results_file("linear-cost.json"), "results/linear-cost.schema.json",
-                             "linear-cost.json"));
+  for (const char* curves : {"linear-cost.json", "linear-cost-fp64.json"})
+    CHECK_NOTHROW(check_schema(results_file(curves), "results/linear-cost.schema.json", curves));
 }
 
 TEST_CASE("every headline of the committed comparison is met exactly where its ratio is as asked",
