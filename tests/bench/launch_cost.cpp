@@ -49,6 +49,25 @@ struct OverheadRow {
   unsigned log2_coordinates;
 };
 
+// Seconds of `launches` launches.
+struct LaunchTimes {
+  double wall, kernel;
+  std::size_t launches;
+};
+
+void report_overhead(State& state, const char* name, const OverheadRow& row,
+                     const LaunchTimes& times, std::vector<std::string>& missed) {
+  const double overhead = times.wall / times.kernel - 1;
+  const double us = 1e6 / static_cast<double>(times.launches);
+  state.counters["overhead"] = overhead;
+  state.counters["allowed"] = kAllowedOverhead;
+  state.counters["kernel_us"] = times.kernel * us;
+  state.counters["wall_us"] = times.wall * us;
+  if (overhead > kAllowedOverhead)
+    missed.push_back(fmt::format("{} {} {} 2^{}: {:.3f} > {}", name, precision_name(row.precision),
+                                 row.sampler, row.log2_coordinates, overhead, kAllowedOverhead));
+}
+
 void launch_overhead(State& state, const OverheadRow& row, std::vector<std::string>& missed) {
   const Plan plan = make_plan(catalog(), cell_of(row.sampler, row.precision, row.log2_coordinates),
                               device().facts());
@@ -77,17 +96,9 @@ void launch_overhead(State& state, const OverheadRow& row, std::vector<std::stri
     }
     state.SetIterationTime(wall.best());
   }
-  const double overhead = wall.best() / kernel.best() - 1;
-  state.counters["overhead"] = overhead;
-  state.counters["allowed"] = kAllowedOverhead;
   state.counters["with_merge"] = merged.best() / kernel.best() - 1;
-  state.counters["kernel_us"] = kernel.best() * 1e6;
-  state.counters["wall_us"] = wall.best() * 1e6;
   state.counters["rounds"] = static_cast<double>(rounds);
-  if (overhead > kAllowedOverhead)
-    missed.push_back(fmt::format("launch_overhead {} {} 2^{}: {:.3f} > {}",
-                                 precision_name(row.precision), row.sampler, row.log2_coordinates,
-                                 overhead, kAllowedOverhead));
+  report_overhead(state, "launch_overhead", row, {wall.best(), kernel.best(), 1}, missed);
 }
 
 // The same launches as koksma times short rows, so many behind each other before one wait: 2.5 ms
@@ -113,16 +124,8 @@ void overhead_together(State& state, const OverheadRow& row, std::vector<std::st
     }
     state.SetIterationTime(wall.best());
   }
-  const double overhead = wall.best() / kernel.best() - 1;
-  state.counters["overhead"] = overhead;
-  state.counters["allowed"] = kAllowedOverhead;
-  state.counters["kernel_us"] = kernel.best() * 1e6 / kTogether;
-  state.counters["wall_us"] = wall.best() * 1e6 / kTogether;
   state.counters["rounds"] = static_cast<double>(rounds);
-  if (overhead > kAllowedOverhead)
-    missed.push_back(fmt::format("launches_together {} {} 2^{}: {:.3f} > {}",
-                                 precision_name(row.precision), row.sampler, row.log2_coordinates,
-                                 overhead, kAllowedOverhead));
+  report_overhead(state, "launches_together", row, {wall.best(), kernel.best(), kTogether}, missed);
 }
 
 // A folder for results and, where asked, caches of its own; it goes away with the object.
