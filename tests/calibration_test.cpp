@@ -59,15 +59,15 @@ TEST_CASE("a launch is set beside the shortest of the calibrations before and af
   rows[1].n = 2;
   for (int round = 0; round < 4; ++round) {
     timed.add(rows[0], 1e-3, 1e-3);
-    timed.add(rows[1], 4e-3, 5e-3, round < 2);  // more than the 2.5 ms between calibrations
+    timed.add(rows[1], 8e-3, 11e-3, round < 2);  // more than the 5 ms between calibrations
   }
   timed.finish(rows, 0);
-  // One calibration at first, then two after every pair of launches, for 6 ms of them.
+  // One calibration at first, then two after every pair of launches, for 12 ms of them.
   CHECK(calibration.launches() == 1 + 4 * 2);
   CHECK(rows[0].calibration == rows[1].calibration);  // both lie between the same two
   CHECK(std::set<double>(rows[0].calibration.begin(), rows[0].calibration.end()).size() > 1);
   CHECK(rows[0].kernel.median == 1e-3);
   CHECK(rows[1].wall.count == 2);
   CHECK(rows[1].kernel.count == 4);
-  CHECK(timed.spent(2) == Approx(4 * 5e-3));
+  CHECK(timed.spent(2) == Approx(4 * 11e-3));
 }

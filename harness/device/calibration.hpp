@@ -12,7 +12,7 @@ class Calibration {
   // Builds the kernel and runs it once, so that nothing is compiled later.
   explicit Calibration(Device& device);
 
-  // Launches it once: its seconds by the device's clock, about 1e-4 on a CPU. Launches are counted
+  // Launches it once: its seconds by the device's clock, about 2e-4 on a CPU. Launches are counted
   // and their wall time is summed, for the cost of calibrating to be known.
   double run();
 

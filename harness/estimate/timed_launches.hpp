@@ -1,7 +1,7 @@
 // Times of the launches of rows, with launches of the calibration kernel between them. Every timed
-// launch has one before and one after it, at most 5 ms of launches away; long launches have
+// launch has one before and one after it, at most 10 ms of launches away; long launches have
 // several. The shortest counts: one that meets another process tells of that and not of the device.
-// So calibrating costs about a thirtieth of the time.
+// So calibrating costs about a twentieth of the time.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ namespace koksma {
 TimeStatistics summarise_times(std::vector<double> times);
 
 // Of launches, from one calibration to the next.
-inline constexpr double kSecondsBetweenCalibrations = 0.0025;
+inline constexpr double kSecondsBetweenCalibrations = 0.005;
 // At most so many launches of a row that is timed by itself.
 inline constexpr std::size_t kLaunchesAlone = 5;
 

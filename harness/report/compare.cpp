@@ -17,7 +17,14 @@ namespace {
 
 // The standard error of a median of n normal variables is sqrt(pi / 2) sd / sqrt(n).
 constexpr double kOfMedian = 1.2533141373155;
+constexpr const char* kOtherSpeed = "not timed at equal speed";
+// So few cells tell their own spread badly: a Student variable of 4 degrees of freedom exceeds 4.4
+// as often as a normal one 2.6.
+constexpr std::size_t kLeastCells = 40;
 constexpr std::size_t kLevels = 3;  // rows, cells, the study: alpha is shared by them
+
+// Whether the rows that both runs have at equal speed tell of all rows.
+bool enough_at_equal_speed(std::size_t equal, std::size_t all) { return 3 * equal >= all; }
 
 std::string key_of(const Json& cell, const Json& precision) {
   std::string key;
@@ -126,7 +133,8 @@ class Comparer {
     const Json *base, *now;
     double floor;
     std::string no_times;  // why
-    Stratum times;
+    Launches base_launches, new_launches;
+    ComparedLaunches compared;
   };
 
   void add(const Json& base, const Json* now) {
@@ -166,6 +174,8 @@ class Comparer {
                           &*other,
                           common_floor(base, now),
                           no_times(base, now),
+                          {},
+                          {},
                           {}});
       }
       cell.rows.push_back(std::move(change));
@@ -181,6 +191,26 @@ class Comparer {
   }
 
   RowChange& row_of(const Pair& pair) { return result_.cells[pair.cell].rows[pair.row]; }
+
+  std::vector<double> ratios_of(const std::vector<const Pair*>& rows) {
+    std::vector<double> ratios;
+    for (const Pair* pair : rows) ratios.push_back(row_of(*pair).time.ratio);
+    return ratios;
+  }
+
+  static std::vector<Stratum> strata_of(const std::vector<const Pair*>& rows) {
+    std::vector<Stratum> strata;
+    for (const Pair* pair : rows) strata.push_back(pair->compared.times);
+    return strata;
+  }
+
+  // Of several rows those that both runs have at equal speed, where these are enough.
+  static std::vector<const Pair*> telling(const std::vector<const Pair*>& rows) {
+    std::vector<const Pair*> equal;
+    for (const Pair* pair : rows)
+      if (pair->compared.equal_speed) equal.push_back(pair);
+    return enough_at_equal_speed(equal.size(), rows.size()) ? equal : rows;
+  }
 
   void judge_errors() {
     const auto known =
@@ -202,20 +232,17 @@ class Comparer {
     }
     const bool calibrated =
         pair.base->contains("calibration_s") && pair.now->contains("calibration_s");
-    pair.times = {log_times(*pair.base, calibrated), log_times(*pair.now, calibrated)};
-    if (pair.times.a.empty() || pair.times.b.empty()) {
+    pair.base_launches = launches_of(*pair.base, calibrated);
+    pair.new_launches = launches_of(*pair.now, calibrated);
+    if (pair.base_launches.times.empty() || pair.new_launches.times.empty()) {
       row_of(pair).time.reason = "no times of single launches";
       return;
     }
+    pair.compared = at_equal_speed(pair.base_launches, pair.new_launches);
     ++result_.rows_timed;
     uncalibrated_ += calibrated ? 0 : 1;
-    if (calibrated) {
-      Stratum& unit = calibration_.emplace_back();
-      for (const Json& t : (*pair.base)["calibration_s"])
-        unit.a.push_back(std::log(t.get<double>()));
-      for (const Json& t : (*pair.now)["calibration_s"])
-        unit.b.push_back(std::log(t.get<double>()));
-    }
+    if (calibrated)
+      calibration_.push_back({pair.base_launches.calibrations, pair.new_launches.calibrations});
   }
 
   void judge_times() {
@@ -229,32 +256,59 @@ class Comparer {
       result_.study.reason = "no row has times to compare";
       return;
     }
-    std::map<std::size_t, std::vector<Stratum>> cells;
-    std::vector<Stratum> all;
-    std::vector<double> row_ratios, cell_ratios;
+    std::map<std::size_t, std::vector<const Pair*>> cells;
+    std::vector<const Pair*> all;
     for (const Pair& pair : pairs_) {
       if (!row_of(pair).time.reason.empty()) continue;
-      row_of(pair).time = time_change(pair.times);
-      row_ratios.push_back(row_of(pair).time.ratio);
-      cells[pair.cell].push_back(pair.times);
-      all.push_back(pair.times);
+      row_of(pair).time = time_change(pair.compared.times);
+      cells[pair.cell].push_back(&pair);
+      all.push_back(&pair);
     }
+    const auto decisive = telling(all);
+    const std::vector<double> ratios = ratios_of(decisive);
+    result_.row_spread = spread_of(ratios);
+    result_.rows_decisive = ratios.size();
+    mind_speeds();
+    std::vector<double> cell_ratios;
     for (const auto& [place, rows] : cells) {
-      result_.cells[place].time = combined_change(rows);
-      cell_ratios.push_back(result_.cells[place].time.ratio);
+      TimeChange& time = result_.cells[place].time;
+      const auto told = telling(rows);
+      time = combined_change(strata_of(told));
+      if (std::any_of(told.begin(), told.end(),
+                      [](const Pair* pair) { return !pair->compared.equal_speed; }))
+        time.reason = kOtherSpeed;
+      cell_ratios.push_back(time.ratio);
     }
-    result_.study = combined_change(all);
     result_.cells_timed = cells.size();
-    result_.row_spread = spread_of(row_ratios);
+    result_.study = combined_change(strata_of(decisive));
     // Cells too few to tell vary no more than their rows; the median over all takes rows for
     // independent then.
-    const bool few = cells.size() < kLeastForSpread;
+    const bool few = cells.size() < kLeastCells;
     result_.cell_spread = few ? result_.row_spread : spread_of(cell_ratios);
-    result_.study_spread =
-        kOfMedian * result_.cell_spread /
-        std::sqrt(static_cast<double>(few ? row_ratios.size() : cell_ratios.size()));
+    result_.study_spread = kOfMedian * result_.cell_spread /
+                           std::sqrt(static_cast<double>(few ? decisive.size() : cells.size()));
     if (!calibration_.empty()) result_.calibration_ratio = combined_change(calibration_).ratio;
     decide_times();
+  }
+
+  // What was not timed at equal speed counts by the ratio that is nearest to 1.
+  void mind_speeds() {
+    for (Pair& pair : pairs_) {
+      if (!row_of(pair).time.reason.empty()) continue;
+      if (pair.compared.equal_speed) {
+        ++result_.rows_at_equal_speed;
+        continue;
+      }
+      pair.compared.times = nearest_to_unchanged(pair.base_launches, pair.new_launches);
+      row_of(pair).time = time_change(pair.compared.times);
+      row_of(pair).time.reason = kOtherSpeed;
+    }
+    if (!enough_at_equal_speed(result_.rows_at_equal_speed, result_.rows_timed))
+      result_.notes.push_back(fmt::format(
+          "the device was seldom as fast in one run as in the other ({} of {} rows): of the change "
+          "as it is and as a multiple of the calibration the smaller counts; run both again to "
+          "know more",
+          result_.rows_at_equal_speed, result_.rows_timed));
   }
 
   // A third of alpha to each level, there divided by the number of tests.
@@ -262,9 +316,9 @@ class Comparer {
     const double threshold = result_.options.threshold, share = result_.options.alpha / kLevels;
     const auto rows = static_cast<double>(result_.rows_timed),
                cells = static_cast<double>(result_.cells_timed);
-    const double row_dof = spread_dof(result_.rows_timed),
-                 cell_dof = result_.cells_timed < kLeastForSpread ? row_dof
-                                                                  : spread_dof(result_.cells_timed);
+    const double row_dof = spread_dof(result_.rows_decisive),
+                 cell_dof =
+                     result_.cells_timed < kLeastCells ? row_dof : spread_dof(result_.cells_timed);
     for (CellChange& cell : result_.cells) {
       for (RowChange& row : cell.rows)
         decide(row.time, threshold, share / rows, result_.row_spread, row_dof);

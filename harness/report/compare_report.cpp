@@ -123,11 +123,10 @@ std::string summary(const Comparison& c) {
   std::string text;
   if (c.rows_timed > 0)
     text += fmt::format(
-        "times new/base of {} rows in {} cells: median {} (p {}; spread of rows {:.0f} %, of cells "
-        "{:.0f} "
-        "%{})\n",
-        c.rows_timed, c.cells_timed, time_text(c.study), p_text(c.study), 100 * c.row_spread,
-        100 * c.cell_spread,
+        "times new/base of {} rows, {} of them timed at equal speed, in {} cells: median {} (p {}; "
+        "spread of rows {:.0f} %, of cells {:.0f} %{})\n",
+        c.rows_timed, c.rows_at_equal_speed, c.cells_timed, time_text(c.study), p_text(c.study),
+        100 * c.row_spread, 100 * c.cell_spread,
         c.calibration_ratio > 0
             ? fmt::format("; the calibration kernel itself: {:.2f}", c.calibration_ratio)
             : "");
@@ -231,6 +230,7 @@ Json compare_json(const Comparison& comparison) {
       {"notes", comparison.notes},
       {"rows_timed", comparison.rows_timed},
       {"cells_timed", comparison.cells_timed},
+      {"rows_at_equal_speed", comparison.rows_at_equal_speed},
       {"rows_with_errors", comparison.rows_with_errors},
       {"row_spread", comparison.row_spread},
       {"cell_spread", comparison.cell_spread},

@@ -17,20 +17,74 @@ double median(std::vector<double> values) {
   return quantile_of(values, 0.5);
 }
 
+// Medians of five neighbours, of fewer at the ends.
+std::vector<double> running_medians(const std::vector<double>& values) {
+  constexpr std::size_t kReach = 2;
+  std::vector<double> medians;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t first = i - std::min(i, kReach),
+                      end = std::min(i + kReach + 1, values.size());
+    medians.push_back(median({values.data() + first, values.data() + end}));
+  }
+  return medians;
+}
+
 }  // namespace
 
-std::vector<double> log_times(const Json& row, bool calibrated) {
-  std::vector<double> logs;
-  if (!row.contains("kernel_times_s")) return logs;
+Launches launches_of(const Json& row, bool calibrated) {
+  Launches launches;
+  if (!row.contains("kernel_times_s")) return launches;
   const Json& times = row["kernel_times_s"];
-  if (calibrated && row["calibration_s"].size() != times.size()) return logs;
+  if (calibrated && row["calibration_s"].size() != times.size()) return launches;
   for (std::size_t i = 0; i < times.size(); ++i) {
     const double unit = calibrated ? row["calibration_s"][i].get<double>() : 1;
     const double time = times[i].get<double>();
     if (!(time > 0 && unit > 0)) return {};
-    logs.push_back(std::log(time / unit));
+    launches.times.push_back(std::log(time));
+    launches.calibrations.push_back(std::log(unit));
   }
-  return logs;
+  return launches;
+}
+
+Stratum nearest_to_unchanged(const Launches& base, const Launches& now) {
+  const double as_it_is = shift_estimate(base.times, now.times),
+               multiple = as_it_is - shift_estimate(base.calibrations, now.calibrations);
+  double nearest = 0;
+  if (as_it_is * multiple > 0)
+    nearest = std::fabs(as_it_is) < std::fabs(multiple) ? as_it_is : multiple;
+  Stratum moved{base.times, now.times};
+  for (double& time : moved.b) time += nearest - as_it_is;
+  return moved;
+}
+
+ComparedLaunches at_equal_speed(const Launches& base, const Launches& now) {
+  const std::vector<double> base_speeds = running_medians(base.calibrations),
+                            new_speeds = running_medians(now.calibrations);
+  const double width = std::log(kEqualSpeed);
+  std::vector<double> ends = base_speeds;  // that an interval may have
+  ends.insert(ends.end(), new_speeds.begin(), new_speeds.end());
+  std::pair<std::size_t, std::size_t> most{0, 0};  // of the run that has fewer, of both
+  double from = -INFINITY, to = INFINITY;
+  for (const double end : ends) {
+    const auto within = [&](const std::vector<double>& speeds) {
+      return static_cast<std::size_t>(std::count_if(
+          speeds.begin(), speeds.end(), [&](double c) { return c >= end - width && c <= end; }));
+    };
+    const std::size_t a = within(base_speeds), b = within(new_speeds);
+    if (kLeastShare * a < base_speeds.size() || kLeastShare * b < new_speeds.size() ||
+        std::pair{std::min(a, b), a + b} <= most)
+      continue;
+    most = {std::min(a, b), a + b};
+    from = end - width;
+    to = end;
+  }
+  const auto multiples = [&](const Launches& run, const std::vector<double>& speeds) {
+    std::vector<double> logs;
+    for (std::size_t i = 0; i < run.times.size(); ++i)
+      if (speeds[i] >= from && speeds[i] <= to) logs.push_back(run.times[i] - run.calibrations[i]);
+    return logs;
+  };
+  return {{multiples(base, base_speeds), multiples(now, new_speeds)}, most.first > 0};
 }
 
 TimeChange time_change(const Stratum& row) {
@@ -64,7 +118,7 @@ double spread_of(const std::vector<double>& ratios) {
   std::vector<double> logs;
   for (const double ratio : ratios) logs.push_back(std::log(ratio));
   std::sort(logs.begin(), logs.end());
-  constexpr double kLow = 0.1, kHigh = 0.4;
+  constexpr double kLow = 0.05, kHigh = 0.4;
   const auto n = static_cast<double>(logs.size());
   // What a sample quantile of n normal variables is on average: quantile_of's p lies at place
   // p (n - 1), counted from 0.

@@ -9,9 +9,32 @@
 
 namespace koksma {
 
-// Logarithms of the launches of a row, as multiples of the calibration beside each where the row
-// has one and it is asked for. Empty where the row has no single times, or one of them is 0.
-std::vector<double> log_times(const Json& row, bool calibrated);
+// Logarithms of the launches of a row and of the calibration beside each: 0 where that is not asked
+// for, or not one per launch. Empty where the row has no single times, or one of them is 0.
+struct Launches {
+  std::vector<double> times, calibrations;
+};
+Launches launches_of(const Json& row, bool calibrated);
+
+// What two runs' launches of a row are compared by: times as multiples of the calibrations.
+struct ComparedLaunches {
+  Stratum times;
+  bool equal_speed = false;  // all of them were made while the device was about as fast
+};
+
+// Calibrating is exact only while the device is about as fast: a core that is shared with somebody
+// else's thread doubles the time of a kernel that was bound by its throughput, the calibration's
+// among them, and hardly touches one that waits for its own results. So the launches that count are
+// those whose calibrations lie within a factor of kEqualSpeed of each other, at the speed that has
+// most of both runs, at least kLeastAtSpeed of either or all that a run has; all of them where no
+// speed has so many.
+inline constexpr double kEqualSpeed = 1.28;
+inline constexpr std::size_t kLeastShare = 3;
+ComparedLaunches at_equal_speed(const Launches& base, const Launches& now);
+
+// Where no row has launches at equal speed, the kernel may follow the calibration or not: `now` is
+// moved to the ratio between those two that is nearest to 1.
+Stratum nearest_to_unchanged(const Launches& base, const Launches& now);
 
 // One row: Hodges-Lehmann ratio and Mann-Whitney test; not decided yet.
 TimeChange time_change(const Stratum& row);
@@ -20,16 +43,16 @@ TimeChange time_change(const Stratum& row);
 TimeChange combined_change(const std::vector<Stratum>& rows);
 
 // How far ratios of things that did not change lie apart, as the standard deviation of their
-// logarithms, seen in the lower part of all: q40 - q10 beside the same of normal variables (at
+// logarithms, seen in the lower part of all: q40 - q5 beside the same of normal variables (at
 // Blom's 1958 positions). What is slower, up to 60 % of all, lies above and does not count; what is
 // slower by the same factor everywhere cancels. 0 of fewer than kLeastForSpread ratios.
 inline constexpr std::size_t kLeastForSpread = 10;
 double spread_of(const std::vector<double>& ratios);
 
 // Degrees of freedom of a spread seen in so many ratios: with those, an estimated standard
-// deviation of normal variables has the relative variance that q40 - q10 has, 2.61 / n for large n
+// deviation of normal variables has the relative variance that q40 - q5 has, 2.36 / n for large n
 // (from the asymptotic covariance of sample quantiles, David & Nagaraja 2003, 10.2), 1 / (2 dof).
-inline double spread_dof(std::size_t ratios) { return static_cast<double>(ratios) / 5.22; }
+inline double spread_dof(std::size_t ratios) { return static_cast<double>(ratios) / 4.72; }
 
 // A change beyond the threshold, beyond p_limit, and beyond what a Student variable exceeds with
 // that probability, times the spread (of the logarithm): so few ratios tell a spread that a normal

@@ -21,7 +21,8 @@ import tempfile
 from pathlib import Path
 
 FACTOR = 1.3
-WORK, MORE_WORK = 200, 260  # rounds of the loop: 30 % more, of a kernel that does little else
+WORK, MORE_WORK = 300, 390  # rounds of the loop: 30 % more, of a kernel that does little else
+DIMENSIONS = (1, 2, 3, 4)  # with three samplers: twelve cells, enough to see how far cells lie apart
 
 CODE = """// planted: x_0 + ... under an idle loop whose length is what is compared.
 #ifdef KOKSMA_EXACT
@@ -104,8 +105,11 @@ def main():
             place.mkdir()
             (place / "planted.json").write_text(json.dumps(ENTRY))
             (place / "planted.cl").write_text(CODE % work)
-            integrands[work] = ["--integrand", str(place / "planted.json"), "--scene", "planted:d=2", "--sampler",
-                                "sobol-owen", "--sampler", "random", "--sampler", "lattice-shift"]
+            integrands[work] = ["--integrand", str(place / "planted.json")]
+            for d in DIMENSIONS:
+                integrands[work] += ["--scene", f"planted:d={d}"]
+            for sampler in ("sobol-owen", "random", "lattice-shift"):
+                integrands[work] += ["--sampler", sampler]
         base, new, other = folder / "base.json", folder / "new.json", folder / "other.json"
         first = run(koksma, base, study)
         for k in range(options.tries):

@@ -101,9 +101,9 @@ void launch_overhead(State& state, const OverheadRow& row, std::vector<std::stri
   report_overhead(state, "launch_overhead", row, {wall.best(), kernel.best(), 1}, missed);
 }
 
-// The same launches as koksma times short rows, so many behind each other before one wait: 2.5 ms
+// The same launches as koksma times short rows, so many behind each other before one wait: 5 ms
 // of the shortest row, which is what it queues.
-constexpr std::size_t kTogether = 32, kLeastTogetherRounds = 60, kMostTogetherRounds = 600;
+constexpr std::size_t kTogether = 64, kLeastTogetherRounds = 60, kMostTogetherRounds = 600;
 
 void overhead_together(State& state, const OverheadRow& row, std::vector<std::string>& missed) {
   const Plan plan = make_plan(catalog(), cell_of(row.sampler, row.precision, row.log2_coordinates),

@@ -14,7 +14,7 @@ namespace koksma::bench {
 // `allowed`. `with_merge`: the same with the exact merge of the partial sums on the host, which is
 // what the wall time of a result's row holds. Best of many rounds for each of the three times.
 //
-// launches_together/…: 32 of the same launches, queued behind each other and waited for once, as
+// launches_together/…: 64 of the same launches, queued behind each other and waited for once, as
 // koksma times short rows (Integrator::times_together): wall time over the sum of the kernels'
 // times, less 1.
 //
