@@ -2,7 +2,7 @@
 // divides times by it. Like the integration kernels it steps integer states, makes coordinates of them and
 // multiplies and adds, and touches no memory. It steps one chain, two on AVX2 as a vector has two halves there, so that it feels
 // a core that is shared with another thread about as much as integration kernels do: by 1.4, where kernels of nets,
-// lattices and Philox slow down by 1.25 to 1.5 and four chains by 1.6.
+// lattices and Philox slow down by 1.2 to 1.5 and four chains by 1.6.
 // Changing it changes what results of different versions are divided by.
 //   out[item] = a value that needs all steps
 __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void calibrate(

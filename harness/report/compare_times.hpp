@@ -22,18 +22,18 @@ struct ComparedLaunches {
   bool equal_speed = false;  // all of them were made while the device was about as fast
 };
 
-// Calibrating is exact only while the device is about as fast: a core that is shared with somebody
-// else's thread doubles the time of a kernel that was bound by its throughput, the calibration's
-// among them, and hardly touches one that waits for its own results. So the launches that count are
-// those whose calibrations lie within a factor of kEqualSpeed of each other, at the speed that has
-// most of both runs, at least kLeastAtSpeed of either or all that a run has; all of them where no
-// speed has so many.
+// Calibrating is exact only while the device is about as fast: beside somebody else's thread on the
+// same core, kernels bound by throughput take up to 1.6 times as long, those that wait for their
+// own results 1.1 times (results/README.md). So the launches that count are those whose
+// calibrations, smoothed over five neighbours, lie within a factor of kEqualSpeed of each other, at
+// the speed that has most of both runs and one in kLeastShare of either; all of them where there is
+// no such speed.
 inline constexpr double kEqualSpeed = 1.28;
 inline constexpr std::size_t kLeastShare = 3;
 ComparedLaunches at_equal_speed(const Launches& base, const Launches& now);
 
-// Where no row has launches at equal speed, the kernel may follow the calibration or not: `now` is
-// moved to the ratio between those two that is nearest to 1.
+// Of a row that has no launches at equal speed the kernel may follow the calibration or not: `now`
+// is moved to the ratio between those two that is nearest to 1.
 Stratum nearest_to_unchanged(const Launches& base, const Launches& now);
 
 // One row: Hodges-Lehmann ratio and Mann-Whitney test; not decided yet.
