@@ -19,24 +19,11 @@ using test::run_command;
 
 namespace {
 
-// Cells of the committed default study: one of independent points, one deterministic, some
-// scrambled.
-const Json& recorded() {
-  static const Json kept = [] {
-    Json results = parse_json(test::repository_file("results/default-study.json"), "recorded");
-    Json cells = Json::array();
-    for (std::size_t i = 0; i < 5; ++i) cells.push_back(results["cells"][i]);
-    results["cells"] = cells;
-    return results;
-  }();
-  return kept;
-}
-
 // Times of 12 rounds of a machine that drifts by a factor of two within the run and, where no phase
 // is given, between runs, with 5 % of noise, and launches that meet somebody else's and take up to
 // twice as long; times `factor`.
 Json timed(std::uint64_t seed, double factor = 1, std::optional<double> given_phase = {}) {
-  Json results = recorded();
+  Json results = test::recorded_study();
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0, 0.05);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -52,31 +39,6 @@ Json timed(std::uint64_t seed, double factor = 1, std::optional<double> given_ph
         row["kernel_times_s"].push_back(factor * 1e-8 * row["n"].get<double>() * drift * hit *
                                         std::exp(normal(random)));
         row["calibration_s"].push_back(1e-4 * drift * std::exp(normal(random)));
-      }
-    }
-  }
-  return results;
-}
-
-// Times of a machine that for a while, of random length and in a third of all, gives the
-// calibration kernel half a core more to wait for, and kernels bound by their own latency hardly;
-// times `factor`.
-Json timed_beside_others(std::uint64_t seed, double factor = 1) {
-  Json results = recorded();
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal(0, 0.03);
-  std::exponential_distribution<double> quiet(1 / 2.0), busy(1 / 1.0);
-  bool shared = random() % 3 == 0;
-  double clock = 0, until = shared ? busy(random) : quiet(random);
-  for (Json& cell : results["cells"]) {
-    for (Json& row : cell["rows"]) {
-      row["kernel_times_s"] = row["calibration_s"] = Json::array();
-      for (int round = 0; round < 12; ++round) {
-        for (clock += 0.01; clock > until; shared = !shared)
-          until += shared ? quiet(random) : busy(random);
-        row["kernel_times_s"].push_back(factor * 1e-8 * row["n"].get<double>() *
-                                        (shared ? 1.1 : 1) * std::exp(normal(random)));
-        row["calibration_s"].push_back(5e-5 * (shared ? 1.6 : 1) * std::exp(normal(random)));
       }
     }
   }
@@ -157,56 +119,6 @@ TEST_CASE("a slowdown of 30 % of everything, of one cell and of one row is found
   CHECK(cell >= 57);
   CHECK(row >= 57);
   CHECK(small == 0);  // 8 % are below the threshold, however sure
-}
-
-TEST_CASE("what the calibration feels more than a kernel does is no change and hides none",
-          "[statistical]") {
-  // 60 pairs. The study's ratio is off by a few per cent where both runs know both states, so that
-  // all are decided rightly; of the rest, where a run of 5 s knows one only, there is about one
-  // in 60.
-  int alarms = 0, found = 0;
-  for (std::uint64_t k = 0; k < 60; ++k) {
-    const Json base = timed_beside_others(2 * k);
-    alarms += compared(base, timed_beside_others(2 * k + 1)).study.change != Change::none;
-    found += compared(base, timed_beside_others(2 * k + 1, 1.3)).study.change == Change::worse;
-  }
-  CHECK(alarms == 0);
-  CHECK(found >= 57);
-}
-
-TEST_CASE("launches are compared that were made at equal speed", "[unit]") {
-  // 16 launches each, at the logarithms of speeds and times that are given for both halves.
-  const auto halves = [](double time, double speed, double later_time, double later_speed) {
-    Launches run;
-    for (int i = 0; i < 16; ++i) {
-      run.times.push_back(i < 8 ? time : later_time);
-      run.calibrations.push_back(i < 8 ? speed : later_speed);
-    }
-    return run;
-  };
-  const Launches usual = halves(0, 0, 0, 0);
-  const ComparedLaunches half = at_equal_speed(usual, halves(0.2, 0, 0.9, 0.5));
-  CHECK(half.equal_speed);
-  CHECK(half.times.a.size() == 16);
-  CHECK(half.times.b == std::vector<double>(8, 0.2));
-  // One calibration that was disturbed, or noise in all of them, chooses nothing.
-  Launches noisy = usual;
-  for (std::size_t i = 0; i < 16; ++i) noisy.calibrations[i] = i == 5 ? 1 : i % 2 ? 0.08 : -0.08;
-  CHECK(at_equal_speed(usual, noisy).times.b.size() == 16);
-  // No speed in common: all launches, as multiples.
-  const Launches slower = halves(0.7, 0.5, 0.7, 0.5);
-  const ComparedLaunches none = at_equal_speed(usual, slower);
-  CHECK_FALSE(none.equal_speed);
-  CHECK(none.times.b == std::vector<double>(16, 0.7 - 0.5));
-  // Then the smaller change counts, none where the two ratios disagree about its direction.
-  const auto shift = [&](const Launches& now) {
-    const Stratum moved = nearest_to_unchanged(usual, now);
-    return shift_estimate(moved.a, moved.b);
-  };
-  CHECK(shift(slower) == Approx(0.2));
-  CHECK(shift(halves(0.2, 0.5, 0.2, 0.5)) == Approx(0).margin(1e-15));
-  CHECK(shift(halves(0.2, -0.5, 0.2, -0.5)) == Approx(0.2));
-  CHECK(shift(halves(-0.7, -0.5, -0.7, -0.5)) == Approx(-0.2));
 }
 
 TEST_CASE("a spread seen in few ratios lets more pass as noise than one that is known", "[unit]") {

@@ -140,4 +140,7 @@ class KeepingOn {
 // The text of a file of the repository.
 std::string repository_file(const std::string& path);
 
+// Five cells of the committed default study: of independent points, deterministic, scrambled.
+const Json& recorded_study();
+
 }  // namespace koksma::test
