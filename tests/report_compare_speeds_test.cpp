@@ -40,8 +40,7 @@ Json timed_beside_others(std::uint64_t seed, double factor = 1) {
 
 TEST_CASE("what the calibration feels more than a kernel does is no change and hides none",
           "[statistical]") {
-  // 60 pairs of runs of 5 s. Both know a state in common but in one pair of 1000, and there the
-  // study's ratio is off by a few per cent: below 0.05 that one of these pairs is decided wrongly.
+  // 60 pairs of runs of 5 s, at fixed seeds
   int alarms = 0, found = 0;
   for (std::uint64_t k = 0; k < 60; ++k) {
     const Json base = timed_beside_others(2 * k);
@@ -87,6 +86,34 @@ TEST_CASE("launches are compared that were made at equal speed", "[unit]") {
   CHECK(shift(halves(0.2, 0.5, 0.2, 0.5)) == Approx(0).margin(1e-15));
   CHECK(shift(halves(0.2, -0.5, 0.2, -0.5)) == Approx(0.2));
   CHECK(shift(halves(-0.7, -0.5, -0.7, -0.5)) == Approx(-0.2));
+}
+
+TEST_CASE("how much of the calibration's change rows follow is the slope over them", "[unit]") {
+  // 21 rows, slower by 0.3 of everything; half of them at another speed, and every fifth slower
+  // still.
+  const auto rows = [](double share, std::size_t at_other_speed) {
+    std::vector<RowShift> shifts;
+    for (std::size_t i = 0; i < 21; ++i) {
+      const double calibration = (i < at_other_speed ? 0.5 : 0) + 0.01 * static_cast<double>(i % 3);
+      shifts.push_back({0.3 + share * calibration + (i % 5 == 0 ? 0.4 : 0), calibration});
+    }
+    return shifts;
+  };
+  CHECK(share_followed(rows(0.25, 10)).value() == Approx(0.25));
+  CHECK(share_followed(rows(0.9, 10)).value() == 1);
+  CHECK(share_followed(rows(-0.2, 10)).value() == 0);
+  CHECK_FALSE(share_followed(rows(0.25, 0)).has_value());
+  CHECK_FALSE(share_followed(rows(0.25, 1)).has_value());  // 20 of 210 pairs, less than a tenth
+  CHECK_FALSE(share_followed(rows(0.25, 21)).has_value());
+  CHECK_FALSE(share_followed({}).has_value());
+  // What is left of a row that took twice as long beside a calibration that did so too.
+  const Launches base{{0, 0, 0}, {0, 0, 0}}, now{{0.7, 0.7, 0.7}, {0.7, 0.7, 0.7}};
+  const auto left = [&](double followed) {
+    const Stratum row = less_followed(base, now, followed);
+    return shift_estimate(row.a, row.b);
+  };
+  CHECK(left(1) == Approx(0).margin(1e-15));
+  CHECK(left(0.25) == Approx(0.75 * 0.7));
 }
 
 TEST_CASE("two runs at different speeds are told, and the smaller change counts", "[unit]") {

@@ -136,6 +136,7 @@ class Comparer {
     Launches base_launches, new_launches;
     ComparedLaunches compared;
   };
+  using Pairs = std::vector<Pair*>;
 
   void add(const Json& base, const Json* now) {
     CellChange cell;
@@ -192,22 +193,24 @@ class Comparer {
 
   RowChange& row_of(const Pair& pair) { return result_.cells[pair.cell].rows[pair.row]; }
 
-  std::vector<double> ratios_of(const std::vector<const Pair*>& rows) {
+  std::vector<double> ratios_of(const Pairs& rows) {
     std::vector<double> ratios;
     for (const Pair* pair : rows) ratios.push_back(row_of(*pair).time.ratio);
     return ratios;
   }
 
-  static std::vector<Stratum> strata_of(const std::vector<const Pair*>& rows) {
+  static std::vector<Stratum> strata_of(const Pairs& rows) {
     std::vector<Stratum> strata;
     for (const Pair* pair : rows) strata.push_back(pair->compared.times);
     return strata;
   }
 
-  // Of several rows those that both runs have at equal speed, where these are enough.
-  static std::vector<const Pair*> telling(const std::vector<const Pair*>& rows) {
-    std::vector<const Pair*> equal;
-    for (const Pair* pair : rows)
+  // Of several rows those that both runs have at equal speed, where these are enough and it is
+  // unknown how the others follow the calibration.
+  Pairs telling(const Pairs& rows) const {
+    if (followed_) return rows;
+    Pairs equal;
+    for (Pair* pair : rows)
       if (pair->compared.equal_speed) equal.push_back(pair);
     return enough_at_equal_speed(equal.size(), rows.size()) ? equal : rows;
   }
@@ -256,19 +259,15 @@ class Comparer {
       result_.study.reason = "no row has times to compare";
       return;
     }
-    std::map<std::size_t, std::vector<const Pair*>> cells;
-    std::vector<const Pair*> all;
-    for (const Pair& pair : pairs_) {
+    std::map<std::size_t, Pairs> cells;
+    Pairs all;
+    for (Pair& pair : pairs_) {
       if (!row_of(pair).time.reason.empty()) continue;
-      row_of(pair).time = time_change(pair.compared.times);
       cells[pair.cell].push_back(&pair);
       all.push_back(&pair);
     }
-    const auto decisive = telling(all);
-    const std::vector<double> ratios = ratios_of(decisive);
-    result_.row_spread = spread_of(ratios);
-    result_.rows_decisive = ratios.size();
-    mind_speeds();
+    judge_rows(all);
+    const Pairs decisive = telling(all);
     std::vector<double> cell_ratios;
     for (const auto& [place, rows] : cells) {
       TimeChange& time = result_.cells[place].time;
@@ -291,24 +290,43 @@ class Comparer {
     decide_times();
   }
 
-  // What was not timed at equal speed counts by the ratio that is nearest to 1.
-  void mind_speeds() {
-    for (Pair& pair : pairs_) {
-      if (!row_of(pair).time.reason.empty()) continue;
-      if (pair.compared.equal_speed) {
-        ++result_.rows_at_equal_speed;
-        continue;
-      }
-      pair.compared.times = nearest_to_unchanged(pair.base_launches, pair.new_launches);
-      row_of(pair).time = time_change(pair.compared.times);
-      row_of(pair).time.reason = kOtherSpeed;
+  // Rows, and how far their ratios lie apart.
+  void judge_rows(const Pairs& rows) {
+    std::vector<RowShift> shifts;
+    for (const Pair* pair : rows)
+      shifts.push_back(shift_of(pair->base_launches, pair->new_launches));
+    followed_ = share_followed(shifts);
+    Pairs others;  // not timed at equal speed
+    for (Pair* pair : rows) {
+      if (!pair->compared.equal_speed) others.push_back(pair);
+      if (!pair->compared.equal_speed && followed_)
+        pair->compared.times = less_followed(pair->base_launches, pair->new_launches, *followed_);
+      row_of(*pair).time = time_change(pair->compared.times);
     }
-    if (!enough_at_equal_speed(result_.rows_at_equal_speed, result_.rows_timed))
-      result_.notes.push_back(fmt::format(
-          "the device was seldom as fast in one run as in the other ({} of {} rows): of the change "
-          "as it is and as a multiple of the calibration the smaller counts; run both again to "
-          "know more",
-          result_.rows_at_equal_speed, result_.rows_timed));
+    result_.rows_at_equal_speed = rows.size() - others.size();
+    const std::vector<double> ratios = ratios_of(telling(rows));
+    rows_decisive_ = ratios.size();
+    result_.row_spread = spread_of(ratios);
+    for (Pair* pair : others) {
+      if (!followed_) {
+        pair->compared.times = nearest_to_unchanged(pair->base_launches, pair->new_launches);
+        row_of(*pair).time = time_change(pair->compared.times);
+      }
+      row_of(*pair).time.reason = kOtherSpeed;
+    }
+    if (!enough_at_equal_speed(result_.rows_at_equal_speed, rows.size())) note_other_speeds();
+  }
+
+  void note_other_speeds() {
+    result_.notes.push_back(fmt::format(
+        "the device was seldom as fast in one run as in the other ({} of {} rows): {}",
+        result_.rows_at_equal_speed, result_.rows_timed,
+        followed_
+            ? fmt::format("rows follow the calibration's change, in logarithms, by {:.2f} of it, "
+                          "which is taken out",
+                          *followed_)
+            : "of a change as it is and as a multiple of the calibration the smaller counts; run "
+              "both again to know more"));
   }
 
   // A third of alpha to each level, there divided by the number of tests.
@@ -316,7 +334,7 @@ class Comparer {
     const double threshold = result_.options.threshold, share = result_.options.alpha / kLevels;
     const auto rows = static_cast<double>(result_.rows_timed),
                cells = static_cast<double>(result_.cells_timed);
-    const double row_dof = spread_dof(result_.rows_decisive),
+    const double row_dof = spread_dof(rows_decisive_),
                  cell_dof =
                      result_.cells_timed < kLeastCells ? row_dof : spread_dof(result_.cells_timed);
     for (CellChange& cell : result_.cells) {
@@ -329,6 +347,8 @@ class Comparer {
 
   Comparison result_;
   bool times_wanted_ = true;
+  std::optional<double> followed_;  // by rows, of the calibration's change
+  std::size_t rows_decisive_ = 0;   // those at equal speed, or all that are timed
   std::size_t uncalibrated_ = 0;
   std::vector<Pair> pairs_;
   std::vector<Stratum> calibration_;

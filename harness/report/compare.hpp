@@ -2,9 +2,9 @@
 // parameters, choices, sampler, estimator, precision and sum, rows by N.
 //
 // Times: every launch counts as a multiple of the calibration kernel beside it
-// (kernels/calibrate.cl), so that a slow hour of a shared machine cancels, and only launches made
-// while the device was about as fast in both runs count, where there are any
-// (report/compare_times.hpp). Samples are compared by
+// (kernels/calibrate.cl), so that a slow hour of a shared machine cancels. Launches count that
+// were made while the device was about as fast in both runs; of rows that have none, what they do
+// not follow of the calibration's change (report/compare_times.hpp). Samples are compared by
 // ranks (report/rank_test.hpp), the change is the Hodges-Lehmann estimate of the ratio. A row is
 // slower where that is above the threshold and its Mann-Whitney test rejects; a cell, by the median
 // ratio of its rows and van Elteren's test over them; the study, in the same way over all its rows.
@@ -83,7 +83,6 @@ struct Comparison {
   double calibration_ratio = 0;  // of the calibration kernel itself, new / base; 0 unknown
   std::size_t rows_timed = 0, cells_timed = 0, rows_with_errors = 0;
   std::size_t rows_at_equal_speed = 0;  // of rows_timed
-  std::size_t rows_decisive = 0;        // those, or all of rows_timed where they are too few
 
   bool regression() const;
 };

@@ -46,14 +46,42 @@ Launches launches_of(const Json& row, bool calibrated) {
   return launches;
 }
 
+RowShift shift_of(const Launches& base, const Launches& now) {
+  return {shift_estimate(base.times, now.times),
+          shift_estimate(base.calibrations, now.calibrations)};
+}
+
+std::optional<double> share_followed(const std::vector<RowShift>& rows) {
+  const double least = std::log(kEqualSpeed);
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const double apart = rows[i].calibration - rows[j].calibration;
+      if (std::fabs(apart) > least) slopes.push_back((rows[i].time - rows[j].time) / apart);
+    }
+  const std::size_t pairs = rows.size() * (rows.size() - 1) / 2;
+  if (slopes.empty() || 10 * slopes.size() < pairs) return {};
+  const double slope = median(std::move(slopes));
+  return std::fabs(slope - 1) < kFollowsFully ? 1 : std::max(slope, 0.0);
+}
+
+Stratum less_followed(const Launches& base, const Launches& now, double followed) {
+  const auto left = [&](const Launches& run) {
+    std::vector<double> logs = run.times;
+    for (std::size_t i = 0; i < logs.size(); ++i) logs[i] -= followed * run.calibrations[i];
+    return logs;
+  };
+  return {left(base), left(now)};
+}
+
 Stratum nearest_to_unchanged(const Launches& base, const Launches& now) {
-  const double as_it_is = shift_estimate(base.times, now.times),
-               multiple = as_it_is - shift_estimate(base.calibrations, now.calibrations);
+  const RowShift shift = shift_of(base, now);
+  const double multiple = shift.time - shift.calibration;
   double nearest = 0;
-  if (as_it_is * multiple > 0)
-    nearest = std::fabs(as_it_is) < std::fabs(multiple) ? as_it_is : multiple;
+  if (shift.time * multiple > 0)
+    nearest = std::fabs(shift.time) < std::fabs(multiple) ? shift.time : multiple;
   Stratum moved{base.times, now.times};
-  for (double& time : moved.b) time += nearest - as_it_is;
+  for (double& time : moved.b) time += nearest - shift.time;
   return moved;
 }
 

@@ -2,6 +2,7 @@
 // rows, cells and the study. Method: report/compare.hpp.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "report/compare.hpp"
@@ -29,11 +30,30 @@ struct ComparedLaunches {
 // the speed that has most of both runs and one in kLeastShare of either; all of them where there is
 // no such speed.
 inline constexpr double kEqualSpeed = 1.28;
-inline constexpr std::size_t kLeastShare = 3;
+inline constexpr std::size_t kLeastShare = 2;
 ComparedLaunches at_equal_speed(const Launches& base, const Launches& now);
 
-// Of a row that has no launches at equal speed the kernel may follow the calibration or not: `now`
-// is moved to the ratio between those two that is nearest to 1.
+struct RowShift {
+  double time, calibration;  // how much larger the new logarithms are
+};
+RowShift shift_of(const Launches& base, const Launches& now);
+
+// How much of the calibration's change rows follow, in logarithms: 1 where times are multiples of
+// it, 0 where it does not touch them. The slope of the rows' changes over those of their
+// calibrations, by Theil (1950) and Sen (1968): the median over all pairs of rows, here of those
+// whose calibrations changed differently, by more than kEqualSpeed. What is slower in all rows
+// cancels, what is slower in a quarter of them hardly moves it. Never below 0, and 1 where it is
+// within kFollowsFully of it. Unknown where less than a tenth of all pairs are such, as where one
+// run knew one speed throughout and the other another.
+inline constexpr double kFollowsFully = 0.15;
+std::optional<double> share_followed(const std::vector<RowShift>& rows);
+
+// Rows without launches at equal speed are compared by times less this share of the calibrations.
+Stratum less_followed(const Launches& base, const Launches& now, double followed);
+
+// Where the share is unknown: all times of the new run are moved so that the change as it is or as
+// a multiple of the calibration counts, whichever is nearer to none, and none where they disagree
+// about the direction.
 Stratum nearest_to_unchanged(const Launches& base, const Launches& now);
 
 // One row: Hodges-Lehmann ratio and Mann-Whitney test; not decided yet.
