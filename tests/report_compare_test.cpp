@@ -154,6 +154,25 @@ TEST_CASE("a spread seen in few ratios lets more pass as noise than one that is 
   CHECK(mean * mean / (2 * variance) == Approx(spread_dof(kRatios)).epsilon(0.24));
 }
 
+TEST_CASE("single ratios that lie further out than normal variables are noise", "[statistical]") {
+  // 4000 times 200 ratios by the law that single_dof names, tested together at 0.01 / 3: 13 alarms
+  // in the mean, more than 27 with probability 3e-4. By spread_dof there are 226.
+  std::mt19937_64 random(1);
+  std::student_t_distribution<double> student(kTailDof);
+  constexpr std::size_t kRatios = 200;
+  int alarms = 0;
+  for (int k = 0; k < 4000; ++k) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < kRatios; ++i) ratios.push_back(std::exp(0.08 * student(random)));
+    TimeChange largest;
+    largest.ratio = *std::max_element(ratios.begin(), ratios.end());
+    largest.p = 0;
+    decide(largest, 0, 0.01 / 3 / kRatios, spread_of(ratios), single_dof(kRatios));
+    alarms += largest.change == Change::worse;
+  }
+  CHECK(alarms <= 27);
+}
+
 TEST_CASE("what got faster is told and is no regression", "[unit]") {
   const Comparison c = compared(timed(1, 1.4), timed(2));
   CHECK(c.study.change == Change::better);

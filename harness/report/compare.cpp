@@ -334,15 +334,14 @@ class Comparer {
     const double threshold = result_.options.threshold, share = result_.options.alpha / kLevels;
     const auto rows = static_cast<double>(result_.rows_timed),
                cells = static_cast<double>(result_.cells_timed);
-    const double row_dof = spread_dof(rows_decisive_),
-                 cell_dof =
-                     result_.cells_timed < kLeastCells ? row_dof : spread_dof(result_.cells_timed);
+    const std::size_t ratios =
+        result_.cells_timed < kLeastCells ? rows_decisive_ : result_.cells_timed;
     for (CellChange& cell : result_.cells) {
       for (RowChange& row : cell.rows)
-        decide(row.time, threshold, share / rows, result_.row_spread, row_dof);
-      decide(cell.time, threshold, share / cells, result_.cell_spread, cell_dof);
+        decide(row.time, threshold, share / rows, result_.row_spread, single_dof(rows_decisive_));
+      decide(cell.time, threshold, share / cells, result_.cell_spread, single_dof(ratios));
     }
-    decide(result_.study, threshold, share, result_.study_spread, cell_dof);
+    decide(result_.study, threshold, share, result_.study_spread, spread_dof(ratios));
   }
 
   Comparison result_;

@@ -13,7 +13,8 @@
 // take launches for independent, but those of one second share what disturbs them; so a change must
 // also lie beyond what is likely, at the same levels, by the spread of the ratios between rows,
 // between cells, and of the median over cells, with Student's quantiles, as a spread seen in few
-// ratios is not known well (report/compare_times.hpp). What a whole run has in common is what the
+// ratios is not known well and single rows and cells are disturbed more than a normal variable
+// would be (report/compare_times.hpp). What a whole run has in common is what the
 // threshold is for.
 //
 // Errors: a row is worse where the confidence intervals of the two RMSE do not overlap and the
