@@ -69,13 +69,13 @@ typedef wide folded;
 #endif
 
 typedef struct {
-  points inner;
   // The greatest of the bits of this sample's coordinates, less 1 (0 wraps round to the top), the sign bit flipped to
   // compare as signed: those in (0,1) lie below all others.
   watch highest;
   __global const word *table;
   ulong index, n, seed;  // index: of the vector's step, a multiple of 16
   uint replicate, lane;
+  points inner;
 } watched_points;
 
 static inline watch lowest(void) { return (watch)(KOKSMA_SIGNED)KOKSMA_SIGN_BIT; }

@@ -12,8 +12,8 @@
 #undef points_drawn
 
 typedef struct {
-  unrotated_points inner;
   __global const scalar *complements;
+  unrotated_points inner;
 } points;
 
 static inline void points_seek(points *p, __global const word *table, ulong first, ulong n, ulong seed, uint replicate,

@@ -278,12 +278,12 @@ Plan with_bad_coordinates(Plan plan) {
   // The whole text: pruning takes out what only the broken points need.
   plan.program = compose_whole(test::catalog(), plan, ProgramKind::integrate);
   std::string& text = plan.program.text;
-  const std::string from = "return unit_from_mantissa(p->state[p->dim++]);";
+  const std::string from = "return unit_from_mantissa(drawn_state(p, p->dim++));";
   const std::size_t at = text.find(from);
   REQUIRE(at != std::string::npos);
   text.replace(at, from.size(),
-               "return KOKSMA_AS_REAL(broken(unit_from_mantissa(p->state[p->dim++])));");
-  text.insert(text.find("typedef struct {\n  bits state["), pattern_code("broken", list64, list32));
+               "return KOKSMA_AS_REAL(broken(unit_from_mantissa(drawn_state(p, p->dim++))));");
+  text.insert(text.find("static inline void points_seek"), pattern_code("broken", list64, list32));
   return plan;
 }
 

@@ -2,7 +2,6 @@
 // dimension, nested scrambling, interlacing and the grid of coordinates are found at run time. States, steps and
 // table are those of points/digital.cl, behind the switches (kernels/README.md, "General kernels").
 typedef struct {
-  bits state[KOKSMA_GENERAL_STATES];
   __global const word *steps;
   __global const word *keys;
   real origin;      // that coordinates are counted from, on [1,2)
@@ -10,6 +9,7 @@ typedef struct {
   uint nested;      // scrambled by hashing
   uint components_drawn, dims;
   uint j;
+  bits state[KOKSMA_GENERAL_STATES];
 } points;
 
 static inline void points_seek(points *p, __global const word *switches, ulong first, ulong n, ulong seed,

@@ -8,11 +8,11 @@ typedef KOKSMA_PASTE(ulong, KOKSMA_LANES_PER_ITEM) fractions;
 #endif
 
 typedef struct {
-  ulong state[KOKSMA_GENERAL_STATES];
   __global const ulong *steps;
   __global const ulong *lanes;
   real origin;
   uint dim, dims;
+  ulong state[KOKSMA_GENERAL_STATES];
 } points;
 
 static inline void points_seek(points *p, __global const word *switches, ulong first, ulong n, ulong seed,

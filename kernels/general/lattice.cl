@@ -3,13 +3,13 @@
 // point that steps, in any dimension (the form that points/lattice.cl takes in many); its table comes behind the switches
 // (kernels/README.md, "General kernels").
 typedef struct {
-  word state[KOKSMA_GENERAL_STATES];
   __global const word *columns;
   __global const word *lanes;  // of even j
   real origin, offset;
   uint stride;  // from one column to the next
   uint tent;
   uint j, dim, dims;
+  word state[KOKSMA_GENERAL_STATES];
 } points;
 
 static inline void points_seek(points *p, __global const word *switches, ulong first, ulong n, ulong seed,

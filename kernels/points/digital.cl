@@ -17,15 +17,22 @@
 // What build_digital (harness/points/digital.cpp) decides by too.
 #define KOKSMA_DIGITAL_SIGNED \
   (KOKSMA_CENTRED_DRAWS && !KOKSMA_FP64 && KOKSMA_UNROLLED && !KOKSMA_DIGITAL_OWEN && KOKSMA_DIGITAL_INTERLACE == 1)
+// Rolled loops: the states, too many for registers, are stepped as they are drawn, and so pass the caches once per
+// sample, not twice.
+#define KOKSMA_DIGITAL_STEPS_LATE (!KOKSMA_UNROLLED)
 
 typedef struct {
-  bits state[KOKSMA_DIGITAL_DIM];
   __global const word *steps;
+#if KOKSMA_DIGITAL_STEPS_LATE
+  __global const word *step;  // to be taken by the coordinates not yet drawn
+#endif
 #if KOKSMA_DIGITAL_OWEN
   __global const word *keys;
 #endif
   uint j;    // index / 16, low half
   uint dim;  // coordinates drawn
+  // Last: clang then sees that no store to it changes the others, and keeps them in registers.
+  bits state[KOKSMA_DIGITAL_DIM];
 } points;
 
 static inline void points_seek(points *p, __global const word *table, ulong first, ulong n, ulong seed, uint replicate,
@@ -57,11 +64,24 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
     KOKSMA_UNROLL
     for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] ^= step[d];
   }
+#if KOKSMA_DIGITAL_STEPS_LATE
+  // The first draws step too: any words do, set in here and cancelled there.
+  p->step = lanes;
+  for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] ^= p->step[d];
+#endif
+}
+
+static inline bits drawn_state(points *p, uint d) {
+#if KOKSMA_DIGITAL_STEPS_LATE
+  return p->state[d] ^= p->step[d];
+#else
+  return p->state[d];
+#endif
 }
 
 #if KOKSMA_DIGITAL_OWEN
-static inline bits scrambled_component(const points *p, uint d) {
-  return owen_hash(p->state[d], p->keys[2 * d], p->keys[2 * d + 1]);
+static inline bits scrambled_component(points *p, uint d) {
+  return owen_hash(drawn_state(p, d), p->keys[2 * d], p->keys[2 * d + 1]);
 }
 #endif
 
@@ -96,20 +116,24 @@ static inline real points_next(points *p) {
 #elif KOKSMA_DIGITAL_OWEN
 static inline real points_next(points *p) { return unit_from_word(reverse_bits(scrambled_component(p, p->dim++))); }
 #elif KOKSMA_DIGITAL_SIGNED
-static inline real signed_word(points *p) { return KOKSMA_TO_REAL(KOKSMA_AS_SIGNED(p->state[p->dim++])); }
+static inline real signed_word(points *p) { return KOKSMA_TO_REAL(KOKSMA_AS_SIGNED(drawn_state(p, p->dim++))); }
 static inline real points_next(points *p) { return signed_word(p) * R(0x1.0p-32) + R(0.5); }
 #if KOKSMA_OWN_CENTRED
 #define KOKSMA_CENTRED_UNIT R(0x1.0p-32)
 static inline real points_next_centred(points *p) { return signed_word(p); }
 #endif
 #else
-static inline real points_next(points *p) { return unit_from_mantissa(p->state[p->dim++]); }
+static inline real points_next(points *p) { return unit_from_mantissa(drawn_state(p, p->dim++)); }
 #endif
 
 static inline void points_step(points *p) {
   __global const word *step = p->steps + trailing_zeros(++p->j) * KOKSMA_DIGITAL_DIM;
+#if KOKSMA_DIGITAL_STEPS_LATE
+  p->step = step;
+#else
   KOKSMA_UNROLL
   for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] ^= step[d];
+#endif
   p->dim = 0;
 }
 

@@ -20,10 +20,10 @@ typedef fractions kronecker_part;
 #endif
 
 typedef struct {
-  kronecker_part state[KOKSMA_DIM];
   __global const ulong *steps;
   __global const ulong *lanes;
   uint dim;
+  kronecker_part state[KOKSMA_DIM];
 } points;
 
 static inline void points_seek(points *p, __global const word *table, ulong first, ulong n, ulong seed, uint replicate,

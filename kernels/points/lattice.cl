@@ -24,13 +24,13 @@ typedef word lattice_part;
 #endif
 
 typedef struct {
-  lattice_part state[KOKSMA_DIM];
   __global const word *steps;
 #if !KOKSMA_UNROLLED
   __global const word *lanes;  // of even j
 #endif
   uint j;  // index / 16, low half
   uint dim;
+  lattice_part state[KOKSMA_DIM];
 } points;
 
 static inline void points_seek(points *p, __global const word *table, ulong first, ulong n, ulong seed, uint replicate,
