@@ -1,10 +1,11 @@
 // integrate.cl: the one integration kernel, seek -> draw -> evaluate -> accumulate -> store.
 // A work-item sums one lane group (W of the 16 lanes) of one block of 2^log2_block samples in a fixed order,
 // so the partial sums are the same bits for every vector width, work-group size and launch split.
-//   global size: (blocks of this launch * 16 / W, padded to the local size; replicates of this launch)
-//   out[((word * replicates + replicate) * blocks + block) * 16 + lane], the words of sum y first,
-//   then (KOKSMA_MOMENTS == 2) those of the squares of squared_term
-// KOKSMA_COUNTERS: the samples are counted too (counters.cl); the sums stay the same bits.
+//   global size: (blocks of this launch * 16 / W, padded to the local size; replicates of this launch; runs)
+//   out[(((run * words + word) * replicates + replicate) * blocks + block) * 16 + lane], the words of sum y first,
+//   then (KOKSMA_MOMENTS == 2) those of the squares of squared_term. Runs are all the same: timed together, what a launch
+//   costs is shared out.
+// KOKSMA_COUNTERS: a single run, whose samples are counted too (counters.cl); the sums stay the same bits.
 //   counts, sizes[((word * replicates + replicate) * blocks + block) * 16 / W + group]
 #if KOKSMA_LANES_PER_ITEM == 1
 static inline mask lanes_below(uint lane, uint count) { return lane < count; }
@@ -97,6 +98,7 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
 #endif
 
   const ulong stride = blocks * KOKSMA_LANES * get_global_size(1);
+  out += get_global_id(2) * (KOKSMA_MOMENTS * KOKSMA_SUM_WORDS) * stride;
   out += (replicate * blocks + block) * KOKSMA_LANES + lane;
   sum_store(&s, out, stride);
 #if KOKSMA_MOMENTS == 2

@@ -38,8 +38,9 @@ TEST_CASE("every timed launch has a calibration beside it, and long launches are
       CHECK(row.kernel_times.size() <= 16);
       CHECK(row.calibration.size() == row.kernel_times.size());
       CHECK(row.kernel.count == row.kernel_times.size());
-      // Merged and waited for one by one are five, the others are made together.
-      CHECK(row.wall.count == std::min<std::size_t>(5, row.kernel.count));
+      // Merged and waited for one by one are five runs; launches of rows this short make several.
+      CHECK(row.wall.count == 5);
+      CHECK(row.runs_per_launch > 1);
       CHECK(row.kernel.min == *std::min_element(row.kernel_times.begin(), row.kernel_times.end()));
       for (const double t : row.calibration) CHECK(t > 1e-6);
       launches += row.kernel_times.size();
@@ -58,9 +59,14 @@ TEST_CASE("a launch is set beside the shortest of the calibrations before and af
   rows[0].n = 1;
   rows[1].n = 2;
   for (int round = 0; round < 4; ++round) {
-    timed.add(rows[0], 1e-3, 1e-3);
-    timed.add(rows[1], 8e-3, 11e-3, round < 2);  // more than the 5 ms between calibrations
+    timed.add_merged(rows[0], 1e-3, 1e-3);
+    if (round < 2)
+      timed.add_merged(rows[1], 8e-3, 11e-3);  // more than the 5 ms between calibrations
+    else
+      timed.add(rows[1], 8e-3, 11e-3);
   }
+  CHECK(timed.merged(1) == 4);
+  CHECK(timed.merged(2) == 2);
   timed.finish(rows, 0);
   // One calibration at first, then two after every pair of launches, for 12 ms of them.
   CHECK(calibration.launches() == 1 + 4 * 2);

@@ -67,6 +67,7 @@ __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void int
   y = select_real(valid, y, R(0.0));
   sum_add(&s, sum_convert(y));
   const ulong stride = blocks * KOKSMA_LANES * get_global_size(1);
+  out += get_global_id(2) * (KOKSMA_MOMENTS * KOKSMA_SUM_WORDS) * stride;
   out += (replicate * blocks + block) * KOKSMA_LANES + lane;
   sum_store(&s, out, stride);
 #if KOKSMA_MOMENTS == 2

@@ -1,9 +1,11 @@
 // The integration kernel: the same bits for every launch shape, any N by mask, indices beyond 2^32,
 // sums, moments, faults.
+#include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "device/prepare.hpp"
 #include "error/error.hpp"
 #include "estimate/exact_sum.hpp"
 #include "estimate/measure.hpp"
@@ -35,9 +37,60 @@ std::vector<double> values(const Cell& c, std::uint64_t first_block, std::uint64
   return result;
 }
 
-// f = x + 1/2 on one coordinate: the sum tells which points were drawn.
+// What the kernel leaves in its output when a launch makes `runs` runs of N samples, and behind it
+// `guard` doubles that were 7.
+std::vector<double> sums_of_runs(const Plan& plan, std::size_t runs, std::size_t guard) {
+  Device& device = test::device();
+  const std::uint64_t n = plan.cell.n.front();
+  const std::uint32_t log2_block = 5;
+  const std::uint64_t blocks = n >> log2_block;
+  const ExactValues exact = compute_exact(device, *plan.integrand, plan.cell.scene);
+  const std::vector<std::byte> table = point_table(device, plan);
+  std::vector<double> sums(runs * plan.words() * plan.launched_replicates() * blocks * 16 + guard,
+                           7);
+  const std::size_t bytes = sums.size() * sizeof(double);
+  const cl::Buffer out = device.upload(sums.data(), bytes);
+  cl::Kernel kernel(device.build(plan.program).program, "integrate");
+  const cl::Buffer points = device.upload(table.data(), table.size()),
+                   values = device.upload_reals(plan.cell.scene.parameters, plan.fp64()),
+                   coefficients = device.upload_reals(exact.coefficients, plan.fp64());
+  cl_uint arg = 0;
+  for (const cl::Buffer& buffer : {points, values, coefficients}) kernel.setArg(arg++, buffer);
+  for (const cl_ulong value :
+       {cl_ulong{0}, cl_ulong{blocks}, cl_ulong{n}, cl_ulong{plan.cell.seed}})
+    kernel.setArg(arg++, value);
+  for (const cl_uint value : {log2_block, 0U}) kernel.setArg(arg++, value);
+  kernel.setArg(arg++, cl_double{0});
+  kernel.setArg(arg++, out);
+  const std::uint64_t items = blocks * (16 / plan.shape.lanes_per_item),
+                      local = plan.shape.local_size;
+  device.queue().enqueueNDRangeKernel(
+      kernel, cl::NullRange,
+      cl::NDRange((items + local - 1) / local * local, plan.launched_replicates(), runs),
+      cl::NDRange(local, 1, 1));
+  device.queue().enqueueReadBuffer(out, CL_TRUE, 0, bytes, sums.data());
+  return sums;
+}
 
 }  // namespace
+
+TEST_CASE("the runs of one launch leave the same sums behind each other", "[device]") {
+  for (const char* sampler : {"sobol-shift", "random"}) {  // one moment, and two
+    const Plan plan = make_plan(test::catalog(), cell("linear-prod:d=3", sampler, 1 << 8, 3),
+                                test::device().facts());
+    REQUIRE(plan.stores_doubles());
+    INFO(sampler);
+    const std::size_t guard = 64;
+    const std::vector<double> one = sums_of_runs(plan, 1, guard),
+                              three = sums_of_runs(plan, 3, guard);
+    const auto size = static_cast<std::ptrdiff_t>(one.size() - guard);
+    REQUIRE(std::count(one.begin(), one.begin() + size, 7.0) == 0);
+    for (int run = 0; run < 3; ++run)
+      CHECK(std::equal(one.begin(), one.begin() + size, three.begin() + run * size));
+    CHECK(std::count(three.begin() + 3 * size, three.end(), 7.0) ==
+          static_cast<std::ptrdiff_t>(guard));
+  }
+}
 
 TEST_CASE(
     "partial sums are the same bits for 4, 8 and 16 lanes, all work-group sizes and launch splits",

@@ -179,20 +179,21 @@ TEST_CASE("runs made together have times of their own, in order, and change no s
     return all;
   };
   const auto before = sums(1 << 8);
-  const std::vector<std::uint64_t> sizes{1 << 16, 1 << 8, 1 << 16, 1 << 8};
-  REQUIRE(integrator.one_launch(1 << 16));
+  const std::vector<RepeatedRun> launches{{1 << 16, 1}, {1 << 8, 3}, {1 << 16, 1}, {1 << 8, 3}};
+  REQUIRE(integrator.runs_at_once(1 << 16) >= 1);
+  REQUIRE(integrator.runs_at_once(1 << 8) >= 3);
   // 256 times the work takes longer, whatever else runs: the least of three.
-  std::vector<double> least(sizes.size(), INFINITY);
+  std::vector<double> least(launches.size(), INFINITY);
   for (int k = 0; k < 3; ++k) {
-    const auto times = integrator.times_together(sizes, 0);
-    REQUIRE(times.size() == sizes.size());
-    for (std::size_t i = 0; i < sizes.size(); ++i) least[i] = std::min(least[i], times[i]);
+    const auto times = integrator.times_together(launches, 0);
+    REQUIRE(times.size() == launches.size());
+    for (std::size_t i = 0; i < launches.size(); ++i) least[i] = std::min(least[i], times[i]);
   }
   CHECK(least[1] > 0);
   CHECK(std::min(least[0], least[2]) > 3 * std::max(least[1], least[3]));
   CHECK(sums(1 << 8) == before);
   // The blocks of this N are more than a launch takes.
-  CHECK_FALSE(integrator.one_launch(std::uint64_t{1} << 50));
+  CHECK(integrator.runs_at_once(std::uint64_t{1} << 50) == 0);
 }
 
 TEST_CASE("the chi-squared test is for independent, resolved samples only", "[device]") {

@@ -158,7 +158,7 @@ cl::Buffer& Integrator::next_output(std::size_t bytes) {
 }
 
 std::size_t Integrator::output_bytes(const Launch& l) const {
-  return partial_sums(l) * (plan_.stores_doubles() ? 8 : 4);
+  return partial_sums(l) * l.runs * (plan_.stores_doubles() ? 8 : 4);
 }
 
 void Integrator::set_arguments(cl::Kernel& kernel, const Launch& l, const cl::Buffer& output) {
@@ -184,8 +184,9 @@ cl::Event Integrator::enqueue(cl::Kernel& kernel, const Launch& l) {
   const std::uint64_t items = l.blocks * (kLanes / plan_.shape.lanes_per_item);
   cl::Event event;
   device_.queue().enqueueNDRangeKernel(
-      kernel, cl::NullRange, cl::NDRange(rounded_up(items, plan_.shape.local_size), l.replicates),
-      cl::NDRange(plan_.shape.local_size, 1), nullptr, &event);
+      kernel, cl::NullRange,
+      cl::NDRange(rounded_up(items, plan_.shape.local_size), l.replicates, l.runs),
+      cl::NDRange(plan_.shape.local_size, 1, 1), nullptr, &event);
   return event;
 }
 
@@ -211,29 +212,36 @@ Integrator::Launch Integrator::whole_run(std::uint64_t n, double y0) const {
   return {n, 0, blocks, b, 0, plan_.launched_replicates(), y0};
 }
 
-bool Integrator::one_launch(std::uint64_t n) const {
+std::uint32_t Integrator::runs_at_once(std::uint64_t n) const {
+  if (plan_.counters) return 0;
   const Launch whole = whole_run(n, 0);
-  return !plan_.counters &&
-         whole.blocks * whole.replicates <= plan_.shape.items_per_launch.value_or(kItemsPerLaunch);
+  return static_cast<std::uint32_t>(plan_.shape.items_per_launch.value_or(kItemsPerLaunch) /
+                                    (whole.blocks * whole.replicates));
 }
 
-std::vector<double> Integrator::times_together(std::span<const std::uint64_t> sizes, double y0) {
-  prepare(sizes.front());
+std::vector<double> Integrator::times_together(std::span<const RepeatedRun> launches, double y0) {
+  prepare(launches.front().n);
+  const auto launch_of = [&](const RepeatedRun& repeated) {
+    Launch launch = whole_run(repeated.n, y0);
+    launch.runs = repeated.runs;
+    return launch;
+  };
   return checked([&] {
     std::size_t bytes = 0;
-    for (const std::uint64_t n : sizes) bytes = std::max(bytes, output_bytes(whole_run(n, y0)));
+    for (const RepeatedRun& l : launches) bytes = std::max(bytes, output_bytes(launch_of(l)));
     const cl::Buffer output = next_output(bytes);
     std::vector<cl::Event> events;
-    set_arguments(kernel_, whole_run(sizes.front(), y0), output);
-    for (const std::uint64_t n : sizes) {
+    set_arguments(kernel_, launch_of(launches.front()), output);
+    for (const RepeatedRun& l : launches) {
       // On a CPU the host takes a core from the launch before, so no more is done than must be.
-      const Launch launch = whole_run(n, y0);
+      const Launch launch = launch_of(l);
       set_size_arguments(kernel_, launch);
       events.push_back(enqueue(kernel_, launch));
     }
     events.back().wait();  // flushes; the queue keeps the order
     std::vector<double> seconds;
-    for (const cl::Event& event : events) seconds.push_back(event_seconds(event));
+    for (std::size_t i = 0; i < events.size(); ++i)
+      seconds.push_back(event_seconds(events[i]) / launches[i].runs);
     return seconds;
   });
 }

@@ -44,6 +44,12 @@ struct Counters {
   std::optional<double> kappa(double sum) const;
 };
 
+// One launch that makes the same run of n samples `runs` times.
+struct RepeatedRun {
+  std::uint64_t n = 0;
+  std::uint32_t runs = 1;
+};
+
 class Integrator {
  public:
   // Builds the program, builds and uploads the tables. `coefficients` in double, rounded here to
@@ -67,12 +73,14 @@ class Integrator {
                     std::uint64_t end_block, std::uint32_t replicates, double y0,
                     const PartialSums& take);
 
-  // Whether a run of n samples is one launch, and times_together() may have it.
-  bool one_launch(std::uint64_t n) const;
-  // Kernel seconds of runs of `sizes` samples (not empty), in that order, queued behind each other
-  // and waited for once, so that the device does not wait for the host between them. Their sums are
-  // not read. Sizes as one_launch() wants them, all the same where the sampler is not extensible.
-  std::vector<double> times_together(std::span<const std::uint64_t> sizes, double y0);
+  // How many runs of n samples one launch has room for, as times_together() may have them; 0 where
+  // a run takes several launches or the plan counts samples.
+  std::uint32_t runs_at_once(std::uint64_t n) const;
+  // Kernel seconds of one run in each of these launches (not empty), in that order, queued behind
+  // each other and waited for once, so that the device does not wait for the host between them.
+  // Their sums are not read. Each 1 … runs_at_once() runs; n all the same where the sampler is not
+  // extensible.
+  std::vector<double> times_together(std::span<const RepeatedRun> launches, double y0);
 
   // f at the first `count` points of replicate 0, count a multiple of 16. Of a set that is not
   // extensible those of the cell's largest N that is not above count, or of its smallest N.
@@ -100,6 +108,7 @@ class Integrator {
     std::uint64_t n, first_block, blocks;
     std::uint32_t log2_block, first_replicate, replicates;
     double y0;
+    std::uint32_t runs = 1;
   };
   // A launch on its way, with the partial sums that it leaves in one of the two output buffers.
   struct Flight {
@@ -111,7 +120,7 @@ class Integrator {
   Launch whole_run(std::uint64_t n, double y0) const;
   std::size_t output_bytes(const Launch& launch) const;
   void set_arguments(cl::Kernel& kernel, const Launch& launch, const cl::Buffer& output);
-  // Those among them that runs of different sizes differ in.
+  // Those among them that launches of runs of different sizes differ in.
   void set_size_arguments(cl::Kernel& kernel, const Launch& launch);
   // Queues the launch, its arguments set, and returns its event.
   cl::Event enqueue(cl::Kernel& kernel, const Launch& launch);
@@ -119,7 +128,7 @@ class Integrator {
   double land(Flight& flight);
   void release(Flight& flight);
   cl::Buffer& next_output(std::size_t bytes);
-  std::size_t partial_sums(const Launch& launch) const;
+  std::size_t partial_sums(const Launch& launch) const;  // of one run
   bool counts(const cl::Kernel& kernel) const;
   void set_counter_arguments(cl::Kernel& kernel, cl_uint arg, const Launch& launch);
   void hand_out(const Flight& flight, const PartialSums& take);

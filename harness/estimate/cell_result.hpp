@@ -41,8 +41,10 @@ struct Row {
   bool grid_limited = false;     // more points than the coordinates can tell apart
   bool below_reference = false;  // the RMSE is below 3 x the error of the reference
   std::string error_reason;      // why there are no errors, or none to believe
-  TimeStatistics kernel, wall;   // of one launch of all replicates
-  // Seconds of every timed launch in order, and of the calibration kernel beside it (the
+  // Of one run of all replicates; `kernel` of launches that make runs_per_launch of them each.
+  TimeStatistics kernel, wall;
+  std::uint32_t runs_per_launch = 1;
+  // Seconds of a run in every timed launch in order, and of the calibration kernel beside it (the
   // shortest of the nearest launches before and after); the latter is empty where nothing was
   // calibrated.
   std::vector<double> kernel_times, calibration;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 
 #include "estimate/quantile.hpp"
 #include "estimate/stopping.hpp"
@@ -19,8 +18,8 @@ using Clock = std::chrono::steady_clock;
 // A run launches a row at most this often: rank tests of single rows need so many
 // (report/compare.hpp).
 constexpr std::size_t kLaunchesOfRun = 16;
-// So often sums are read and merged again: wall times are those of these launches.
-constexpr std::size_t kMergedLaunches = 5;
+// So often a row is run, waited for and merged by itself: wall times are those of these runs.
+constexpr std::size_t kMergedRuns = 5;
 constexpr std::uint64_t kKurtosisSamples = 4096;  // of which the kurtosis of f is estimated
 
 double seconds_since(Clock::time_point start) {
@@ -98,6 +97,10 @@ double PreparedCell::once(std::uint64_t n, Sums& sums) {
       });
 }
 
+void PreparedCell::add_merged(Row& row, double kernel_s, double wall_s, TimedLaunches& timed) {
+  timed.add_merged(row, row.runs_per_launch > 1 ? std::nullopt : std::optional(kernel_s), wall_s);
+}
+
 Row PreparedCell::first_launch(std::uint64_t n, TimedLaunches& timed) {
   Row row;
   row.n = n;
@@ -106,15 +109,17 @@ Row PreparedCell::first_launch(std::uint64_t n, TimedLaunches& timed) {
   integrator_->prepare(n);
   Sums sums;
   const auto start = Clock::now();
-  const double kernel_s = once(n, sums);
-  timed.add(row, kernel_s, seconds_since(start));
-  row.kernel = row.wall = summarise_times(row.kernel_times);
+  const double kernel_s = once(n, sums), wall_s = seconds_since(start);
+  row.kernel = row.wall = summarise_times({kernel_s});
+  row.runs_per_launch = runs_of_launch(*integrator_, n, y0_, kernel_s);
+  add_merged(row, kernel_s, wall_s, timed);
   summarise(sums, row);
   return row;
 }
 
 // Launches whose sums nobody reads, of rows short enough, are made many at a time
-// (Integrator::times_together): waiting for each would take as long as they do.
+// (Integrator::times_together): waiting for each would take as long as they do. The shortest rows
+// are run several times by each.
 class PreparedCell::Together {
  public:
   Together(Integrator& integrator, double y0, std::vector<Row>& rows, TimedLaunches& timed)
@@ -125,29 +130,30 @@ class PreparedCell::Together {
     return rows_[row].kernel_times.size() + waiting_of(row);
   }
   double spent(std::size_t row) const {
-    return timed_.spent(rows_[row].n) +
-           static_cast<double>(waiting_of(row)) * rows_[row].kernel_times.back();
+    return timed_.spent(rows_[row].n) + static_cast<double>(waiting_of(row)) * seconds_of(row);
   }
   bool admits(std::size_t row) const {
-    return rows_[row].kernel_times.back() < kSecondsBetweenCalibrations &&
-           integrator_.one_launch(rows_[row].n);
+    return rows_[row].runs_per_launch > 1 || (seconds_of(row) < kSecondsBetweenCalibrations &&
+                                              integrator_.runs_at_once(rows_[row].n) > 0);
   }
   void add(std::size_t row) {
     waiting_.push_back(row);
-    seconds_ += rows_[row].kernel_times.back();
+    seconds_ += seconds_of(row);
     if (seconds_ >= kSecondsBetweenCalibrations) launch();
   }
   void launch() {
     if (waiting_.empty()) return;
-    std::vector<std::uint64_t> sizes;
-    for (const std::size_t row : waiting_) sizes.push_back(rows_[row].n);
+    std::vector<RepeatedRun> launches;
+    for (const std::size_t row : waiting_)
+      launches.push_back({rows_[row].n, rows_[row].runs_per_launch});
     const auto start = Clock::now();
-    const std::vector<double> kernel_s = integrator_.times_together(sizes, y0_);
+    const std::vector<double> run_s = integrator_.times_together(launches, y0_);
     const double wall = seconds_since(start);
-    const double total = std::accumulate(kernel_s.begin(), kernel_s.end(), 0.0);
-    for (std::size_t i = 0; i < waiting_.size(); ++i)
-      timed_.add(rows_[waiting_[i]], kernel_s[i], total > 0 ? wall * kernel_s[i] / total : 0,
-                 false);
+    double total = 0;
+    for (std::size_t i = 0; i < run_s.size(); ++i) total += run_s[i] * launches[i].runs;
+    for (std::size_t i = 0; i < run_s.size(); ++i)
+      timed_.add(rows_[waiting_[i]], run_s[i],
+                 total > 0 ? wall * run_s[i] * launches[i].runs / total : 0);
     waiting_.clear();
     seconds_ = 0;
   }
@@ -155,6 +161,12 @@ class PreparedCell::Together {
  private:
   std::size_t waiting_of(std::size_t row) const {
     return static_cast<std::size_t>(std::count(waiting_.begin(), waiting_.end(), row));
+  }
+  // That a launch of the row is expected to take.
+  double seconds_of(std::size_t row) const {
+    const Row& r = rows_[row];
+    const double run_s = r.kernel_times.empty() ? r.kernel.median : r.kernel_times.back();
+    return r.runs_per_launch * run_s;
   }
 
   Integrator& integrator_;
@@ -174,10 +186,10 @@ void PreparedCell::time_rounds(std::vector<Row>& rows, std::size_t first, std::s
   while (again) {
     again = false;
     for (std::size_t i = first; i < rows.size(); ++i) {
-      const std::size_t count = together.count(i);
-      if (enough_launches(count, together.spent(i), most_rounds)) continue;
+      const bool merged = timed.merged(rows[i].n) < kMergedRuns;
+      const bool counts = !merged || rows[i].runs_per_launch == 1;
+      if (counts && enough_launches(together.count(i), together.spent(i), most_rounds)) continue;
       again = true;
-      const bool merged = count < kMergedLaunches;
       if (!merged && together.admits(i)) {
         together.add(i);
         continue;
@@ -185,7 +197,10 @@ void PreparedCell::time_rounds(std::vector<Row>& rows, std::size_t first, std::s
       const auto start = Clock::now();
       const double kernel_s =
           merged ? once(rows[i].n, sums) : integrator_->run(rows[i].n, y0_, ignore);
-      timed.add(rows[i], kernel_s, seconds_since(start), merged);
+      if (merged)
+        add_merged(rows[i], kernel_s, seconds_since(start), timed);
+      else
+        timed.add(rows[i], kernel_s, seconds_since(start));
     }
   }
   together.launch();

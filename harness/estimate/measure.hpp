@@ -51,8 +51,9 @@ class PreparedCell {
   double once(std::uint64_t n, Sums& sums);
   // The first launch of a row, and what it gives; its times go to timed.
   Row first_launch(std::uint64_t n, TimedLaunches& timed);
+  void add_merged(Row& row, double kernel_s, double wall_s, TimedLaunches& timed);
   // Further rounds over these rows, one launch of each after the other, then their times. The first
-  // five launches of a row are waited for and merged one by one, as row.wall counts them.
+  // five runs of a row are waited for and merged one by one, as row.wall counts them.
   void time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds,
                    TimedLaunches& timed);
   void summarise(const Sums& sums, Row& row);

@@ -1,6 +1,7 @@
 #include "estimate/timed_launches.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "estimate/quantile.hpp"
 
@@ -10,6 +11,12 @@ namespace {
 constexpr std::size_t kMostAtOnce = 5;
 constexpr double kRepeatSeconds = 0.020, kMostSeconds = 0.060;
 constexpr std::size_t kLeastLaunches = 3;
+constexpr std::size_t kTrials = 3;  // of a launch of several runs
+
+std::uint32_t runs_that_last(double run_s, std::uint32_t room) {
+  return static_cast<std::uint32_t>(
+      std::clamp(std::ceil(kSecondsOfRuns / run_s), 1.0, static_cast<double>(room)));
+}
 
 }  // namespace
 
@@ -24,15 +31,38 @@ bool enough_launches(std::size_t count, double spent, std::size_t most) {
          (spent >= kRepeatSeconds && count >= kLeastLaunches);
 }
 
+std::uint32_t runs_of_launch(Integrator& integrator, std::uint64_t n, double y0, double kernel_s) {
+  const std::uint32_t room = integrator.runs_at_once(n);
+  if (room < 2 || kernel_s >= kSecondsOfRuns) return 1;
+  const std::vector<RepeatedRun> several(kTrials, {n, runs_that_last(kernel_s, room)});
+  const std::vector<double> run_s = integrator.times_together(several, y0);
+  return runs_that_last(*std::min_element(run_s.begin(), run_s.end()), room);
+}
+
 TimedLaunches::TimedLaunches(Calibration& calibration)
     : calibration_(calibration), before_(calibration.run()) {}
 
-void TimedLaunches::add(Row& row, double kernel_s, double wall_s, bool merged) {
+void TimedLaunches::add_merged(Row& row, std::optional<double> kernel_s, double wall_s) {
+  times_[row.n].wall.push_back(wall_s);
+  if (kernel_s)
+    add(row, *kernel_s, wall_s);
+  else
+    pass(wall_s);
+}
+
+std::size_t TimedLaunches::merged(std::uint64_t n) const {
+  const auto found = times_.find(n);
+  return found == times_.end() ? 0 : found->second.wall.size();
+}
+
+void TimedLaunches::add(Row& row, double kernel_s, double wall_s) {
   row.kernel_times.push_back(kernel_s);
-  Times& times = times_[row.n];
-  if (merged) times.wall.push_back(wall_s);
-  times.spent += wall_s;
+  times_[row.n].spent += wall_s;
   uncovered_.push_back(row.n);
+  pass(wall_s);
+}
+
+void TimedLaunches::pass(double wall_s) {
   since_ += wall_s;
   if (since_ >= kSecondsBetweenCalibrations) calibrate();
 }

@@ -7,9 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "device/calibration.hpp"
+#include "device/integrator.hpp"
 #include "estimate/cell_result.hpp"
 
 namespace koksma {
@@ -21,6 +23,14 @@ TimeStatistics summarise_times(std::vector<double> times);
 inline constexpr double kSecondsBetweenCalibrations = 0.005;
 // At most so many launches of a row that is timed by itself.
 inline constexpr std::size_t kLaunchesAlone = 5;
+// Between launches that are queued behind each other 5 to 15 us go by on PoCL: less than a tenth of
+// launches that take so long.
+inline constexpr double kSecondsOfRuns = 0.0002;
+
+// Runs of n samples that a timed launch makes, 1 or more: as few as take kSecondsOfRuns, if it has
+// room for them. `kernel_s` is the time of a launch of one run; as its start shows in that,
+// launches of as many runs as it suggests are timed here.
+std::uint32_t runs_of_launch(Integrator& integrator, std::uint64_t n, double y0, double kernel_s);
 
 // Whether a row that was launched `count` times in `spent` seconds has enough: 20 ms of launches
 // and at least three, as a median needs, unless those take 60 ms; never more than `most`.
@@ -30,9 +40,12 @@ class TimedLaunches {
  public:
   explicit TimedLaunches(Calibration& calibration);
 
-  // One launch of this row: seconds of the kernel and of the wall; `merged`: the latter with the
-  // merge of its sums, as row.wall counts them.
-  void add(Row& row, double kernel_s, double wall_s, bool merged = true);
+  // One launch of this row: the kernel's seconds of a run, and the wall's of the launch.
+  void add(Row& row, double kernel_s, double wall_s);
+  // One run, waited for and its sums merged, whose wall seconds row.wall is made of. Without
+  // `kernel_s`, of rows whose launches make several runs, it is no launch of the row.
+  void add_merged(Row& row, std::optional<double> kernel_s, double wall_s);
+  std::size_t merged(std::uint64_t n) const;
   // Wall seconds of all launches of the row of this N.
   double spent(std::uint64_t n) const;
   // After the last launch of rows[first], ...: their calibrations and time statistics.
@@ -43,6 +56,7 @@ class TimedLaunches {
     std::vector<double> wall, calibration;
     double spent = 0;
   };
+  void pass(double wall_s);
   void calibrate();
 
   Calibration& calibration_;

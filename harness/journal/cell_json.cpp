@@ -65,7 +65,7 @@ Json mc_test_json(const McTest& test) {
 
 // A launch costs about 60 us (measured on PoCL): below a millisecond it shows in the time of the
 // kernel.
-bool launch_bound(const Row& row) { return row.kernel.median < 1e-3; }
+bool launch_bound(const Row& row) { return row.kernel.median * row.runs_per_launch < 1e-3; }
 
 Json row_json(const Row& row, const CellResult& result, const Estimator& estimator) {
   const double samples =
@@ -102,6 +102,7 @@ Json row_json(const Row& row, const CellResult& result, const Estimator& estimat
   json["grid_limited"] = row.grid_limited;
   json["kernel_s"] = time_json(row.kernel);
   json["wall_s"] = time_json(row.wall);
+  json["runs_per_launch"] = row.runs_per_launch;
   if (!row.kernel_times.empty()) json["kernel_times_s"] = times_json(row.kernel_times);
   if (!row.calibration.empty()) json["calibration_s"] = times_json(row.calibration);
   json["launch_bound"] = launch_bound(row);

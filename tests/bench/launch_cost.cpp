@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "estimate/exact_sum.hpp"
+#include "estimate/timed_launches.hpp"
 #include "rounds.hpp"
 #include "subject.hpp"
 
@@ -49,16 +50,16 @@ struct OverheadRow {
   unsigned log2_coordinates;
 };
 
-// Seconds of `launches` launches.
+// Seconds of `runs` runs.
 struct LaunchTimes {
   double wall, kernel;
-  std::size_t launches;
+  std::size_t runs;
 };
 
 void report_overhead(State& state, const char* name, const OverheadRow& row,
                      const LaunchTimes& times, std::vector<std::string>& missed) {
   const double overhead = times.wall / times.kernel - 1;
-  const double us = 1e6 / static_cast<double>(times.launches);
+  const double us = 1e6 / static_cast<double>(times.runs);
   state.counters["overhead"] = overhead;
   state.counters["allowed"] = kAllowedOverhead;
   state.counters["kernel_us"] = times.kernel * us;
@@ -101,31 +102,37 @@ void launch_overhead(State& state, const OverheadRow& row, std::vector<std::stri
   report_overhead(state, "launch_overhead", row, {wall.best(), kernel.best(), 1}, missed);
 }
 
-// The same launches as koksma times short rows, so many behind each other before one wait: 5 ms
-// of the shortest row, which is what it queues.
-constexpr std::size_t kTogether = 64, kLeastTogetherRounds = 60, kMostTogetherRounds = 600;
+// The same launches as koksma times short rows: several runs each, and so many behind each other
+// before one wait, 5 ms of the shortest row, which is what it queues.
+constexpr std::size_t kTogether = 24, kLeastTogetherRounds = 60, kMostTogetherRounds = 600;
 
 void overhead_together(State& state, const OverheadRow& row, std::vector<std::string>& missed) {
   const Plan plan = make_plan(catalog(), cell_of(row.sampler, row.precision, row.log2_coordinates),
                               device().facts());
   Integrator integrator(device(), plan,
                         compute_exact(device(), *plan.integrand, plan.cell.scene).coefficients);
-  const std::vector<std::uint64_t> sizes(kTogether, plan.cell.n.front());
+  const std::uint64_t n = plan.cell.n.front();
+  const auto nothing = [](std::uint32_t, std::uint32_t, std::span<const double>) {};
+  if (integrator.runs_at_once(n) == 0) throw std::runtime_error("a run is more than one launch");
+  const std::uint32_t runs = runs_of_launch(integrator, n, 0, integrator.run(n, 0, nothing));
+  const std::vector<RepeatedRun> launches(kTogether, RepeatedRun{n, runs});
   Fastest kernel, wall;
   std::size_t rounds = 0;
   for (auto _ : state) {
     while (rounds < kLeastTogetherRounds ||
            (rounds < kMostTogetherRounds && !(kernel.settled() && wall.settled()))) {
       const auto start = Clock::now();
-      const std::vector<double> times = integrator.times_together(sizes, 0);
+      const std::vector<double> run_s = integrator.times_together(launches, 0);
       wall.add(seconds_since(start));
-      kernel.add(std::accumulate(times.begin(), times.end(), 0.0));
+      kernel.add(std::accumulate(run_s.begin(), run_s.end(), 0.0) * runs);
       ++rounds;
     }
     state.SetIterationTime(wall.best());
   }
   state.counters["rounds"] = static_cast<double>(rounds);
-  report_overhead(state, "launches_together", row, {wall.best(), kernel.best(), kTogether}, missed);
+  state.counters["runs"] = runs;
+  report_overhead(state, "launches_together", row, {wall.best(), kernel.best(), kTogether * runs},
+                  missed);
 }
 
 // A folder for results and, where asked, caches of its own; it goes away with the object.
@@ -187,8 +194,8 @@ Spent spent(const Scratch& scratch) {
   for (const Json& cell : results["cells"]) {
     all.build_s += cell["build_s"].get<double>();
     for (const Json& row : cell["rows"])
-      all.kernel_s +=
-          row["kernel_s"]["median"].get<double>() * row["kernel_s"]["count"].get<double>();
+      all.kernel_s += row["kernel_s"]["median"].get<double>() *
+                      row["kernel_s"]["count"].get<double>() * row["runs_per_launch"].get<double>();
   }
   return all;
 }

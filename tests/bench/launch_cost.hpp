@@ -14,9 +14,9 @@ namespace koksma::bench {
 // `allowed`. `with_merge`: the same with the exact merge of the partial sums on the host, which is
 // what the wall time of a result's row holds. Best of many rounds for each of the three times.
 //
-// launches_together/…: 64 of the same launches, queued behind each other and waited for once, as
-// koksma times short rows (Integrator::times_together): wall time over the sum of the kernels'
-// times, less 1.
+// launches_together/…: the same work as koksma times short rows (Integrator::times_together): 24
+// launches of `runs` runs each, queued behind each other and waited for once: wall time over the
+// sum of the kernels' times, less 1; `kernel_us` and `wall_us` are those of one run.
 //
 // first_row: seconds from the start of `koksma run` with one row until it has ended, which is after
 // that row was printed and written; caches warm, best of nine; must be below `limit_s`.
