@@ -9,6 +9,7 @@
 
 #include "catalog/embedded.hpp"
 #include "estimate/exact_sum.hpp"
+#include "estimate/timed_launches.hpp"
 #include "tests/support.hpp"
 
 using namespace koksma;
@@ -194,6 +195,45 @@ TEST_CASE("runs made together have times of their own, in order, and change no s
   CHECK(sums(1 << 8) == before);
   // The blocks of this N are more than a launch takes.
   CHECK(integrator.runs_at_once(std::uint64_t{1} << 50) == 0);
+}
+
+TEST_CASE("short rows are run as often by a launch as it takes for its start not to show",
+          "[device][timing]") {
+  const std::uint64_t n = 1 << 8;
+  const auto with_integrator = [&](std::uint32_t replicates, const auto& body) {
+    const Plan plan =
+        make_plan(test::catalog(), test::cell("linear-prod:d=8", "sobol-lms-shift", n, replicates),
+                  test::device().facts());
+    Integrator integrator(
+        test::device(), plan,
+        compute_exact(test::device(), *plan.integrand, plan.cell.scene).coefficients);
+    body(integrator);
+  };
+  // The fastest of five launches of so many runs, per run.
+  const auto fastest = [&](Integrator& integrator, std::uint32_t runs) {
+    const std::vector<RepeatedRun> launches(5, {n, runs});
+    const auto times = integrator.times_together(launches, 0);
+    return *std::min_element(times.begin(), times.end());
+  };
+  with_integrator(32, [&](Integrator& integrator) {
+    const std::uint32_t room = integrator.runs_at_once(n);
+    REQUIRE(room > 64);
+    REQUIRE(integrator.fills_device(n));
+    // All of them first: their sums need room that no launch before has made.
+    const double many = fastest(integrator, room), one = fastest(integrator, 1);
+    CHECK(many < one);
+    CHECK(many * room > one);
+    const std::uint32_t runs = runs_of_launch(integrator, n, 0, one);
+    CHECK(runs > 1);
+    CHECK((runs == room || runs * fastest(integrator, runs) > kSecondsOfRuns / 2));
+    CHECK(runs_of_launch(integrator, n, 0, kSecondsOfRuns) == 1);
+  });
+  // Of one block, side by side on all compute units.
+  with_integrator(1, [&](Integrator& integrator) {
+    REQUIRE(integrator.runs_at_once(n) > 64);
+    CHECK_FALSE(integrator.fills_device(n));
+    CHECK(runs_of_launch(integrator, n, 0, 1e-6) == 1);
+  });
 }
 
 TEST_CASE("the chi-squared test is for independent, resolved samples only", "[device]") {

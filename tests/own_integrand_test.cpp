@@ -93,6 +93,12 @@ TEST_CASE("a kernel that draws another number of coordinates than the scene has 
   own.check_refused({"mine.cl", "draws 5 coordinates", "d = 2"});
 }
 
+TEST_CASE("a kernel that leaves out coordinates of some samples is refused", "[device]") {
+  OwnFiles own;
+  own.draws = "KOKSMA_DIM - (uint)(j == 1 && !any_lane(s > R(0.9375)))";
+  own.check_refused({"mine.cl", "draws 1 to 2 coordinates", "all d = 2"});
+}
+
 TEST_CASE("a mistake that the compiler finds is told once, by file and line", "[device]") {
   const auto [exact, line] = GENERATE(table<bool, int>({{true, 2}, {false, 8}}));
   OwnFiles own;

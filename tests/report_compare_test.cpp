@@ -277,6 +277,13 @@ TEST_CASE(
   Json other = timed(2, 2);
   for (Json& cell : other["cells"]) cell["replicates"] = 7;
   CHECK_THAT(compared(base, other).cells[0].rows[0].time.reason, Contains("7 replicates"));
+  // Rows of several runs per launch are not timed against files that do not know of such.
+  Json several = timed(2);
+  several["cells"][0]["rows"][0]["runs_per_launch"] = 3;
+  several["cells"][0]["rows"][1]["runs_per_launch"] = 1;
+  const Comparison runs = compared(base, several);
+  CHECK_THAT(runs.cells[0].rows[0].time.reason, Contains("several on the other"));
+  CHECK_THAT(runs.cells[0].rows[1].time.reason, !Contains("several on the other"));
 }
 
 TEST_CASE("the table, the Markdown and the JSON say what changed", "[unit]") {

@@ -61,6 +61,8 @@ TEST_CASE("a row costs its launches: to 20 ms, three at least, five at most", "[
   CHECK(row_seconds(1) == 1);
   CHECK(row_seconds(0.015) == Approx(0.045));
   CHECK(row_seconds(0.001) == Approx(0.005));
+  // And 2 ms where launches make several runs.
+  CHECK(row_seconds(1e-5) == Approx(5 * 1e-5 + 10 * kSecondsOfRuns));
 }
 
 TEST_CASE("the error reached ends a cell first, then its sizes, then its budget", "[unit]") {

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <vector>
+
+#include "catalog/lanes.hpp"
 
 namespace koksma {
 namespace {
@@ -17,8 +20,14 @@ const Sampler& tableless_sampler(const Catalog& catalog) {
                        [](const Sampler& s) { return find_table_builder(s.family) == nullptr; });
 }
 
-std::uint32_t drawn_coordinates(const Catalog& catalog, Device& device, const Cell& cell,
-                                const ExactValues& exact) {
+// The fewest and the most coordinates that a sample draws, of kDrawSteps samples of every lane.
+constexpr cl_uint kDrawSteps = 256;
+struct Drawn {
+  cl_uint fewest, most;
+};
+
+Drawn drawn_coordinates(const Catalog& catalog, Device& device, const Cell& cell,
+                        const ExactValues& exact) {
   Cell probe = cell;
   const Sampler& sampler = tableless_sampler(catalog);
   probe.sampler = sampler.name;
@@ -31,20 +40,25 @@ std::uint32_t drawn_coordinates(const Catalog& catalog, Device& device, const Ce
     const cl::Buffer table = device.upload(&unused, sizeof(unused));
     const cl::Buffer values = device.upload_reals(cell.scene.parameters, plan.fp64());
     const cl::Buffer coefficients = device.upload_reals(exact.coefficients, plan.fp64());
-    const cl::Buffer out = device.allocate(16 * sizeof(cl_uint));
+    const std::size_t groups = kLanes / plan.shape.lanes_per_item, local = plan.shape.local_size;
+    const cl::Buffer out = device.allocate(groups * sizeof(Drawn));
     cl::Kernel kernel(built.program, "dump_draws");
     kernel.setArg(0, table);
     kernel.setArg(1, values);
     kernel.setArg(2, coefficients);
-    kernel.setArg(3, cl_ulong{16});
+    kernel.setArg(3, cl_ulong{kLanes} * kDrawSteps);
     kernel.setArg(4, cl_ulong{1});
-    kernel.setArg(5, out);
-    const std::size_t local = plan.shape.local_size;
-    device.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(local),
+    kernel.setArg(5, kDrawSteps);
+    kernel.setArg(6, out);
+    device.queue().enqueueNDRangeKernel(kernel, cl::NullRange,
+                                        cl::NDRange((groups + local - 1) / local * local),
                                         cl::NDRange(local));
-    cl_uint drawn = 0;
-    device.queue().enqueueReadBuffer(out, CL_TRUE, 0, sizeof(drawn), &drawn);
-    return drawn;
+    std::vector<Drawn> drawn(groups);
+    device.queue().enqueueReadBuffer(out, CL_TRUE, 0, groups * sizeof(Drawn), drawn.data());
+    Drawn all = drawn.front();
+    for (const Drawn& group : drawn)
+      all = {std::min(all.fewest, group.fewest), std::max(all.most, group.most)};
+    return all;
   });
 }
 
@@ -98,10 +112,16 @@ void check_user_integrand(const Catalog& catalog, Device& device, Device& exact_
         fmt::format("the formula gives no finite number for {}", cell.scene.text),
         "limit the parameters, or say \"none\" where it is unknown, \"undefined\" where f has no "
         "mean");
-  const std::uint32_t drawn =
+  const Drawn drawn =
       told_as_input(f, [&] { return drawn_coordinates(catalog, device, cell, exact); });
-  if (drawn != cell.scene.dim)
-    throw InputError(f.code.path, fmt::format("the kernel draws {} coordinates per sample", drawn),
+  if (drawn.fewest != drawn.most)
+    throw InputError(f.code.path,
+                     fmt::format("the kernel draws {} to {} coordinates, by the sample",
+                                 drawn.fewest, drawn.most),
+                     fmt::format("every sample has to draw all d = {}", cell.scene.dim));
+  if (drawn.most != cell.scene.dim)
+    throw InputError(f.code.path,
+                     fmt::format("the kernel draws {} coordinates per sample", drawn.most),
                      fmt::format("the scene has d = {}", cell.scene.dim));
   for (const Json& check : f.checks) {
     const Scene scene = scene_of(f, check["d"], check["parameters"]);

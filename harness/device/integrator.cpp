@@ -219,6 +219,15 @@ std::uint32_t Integrator::runs_at_once(std::uint64_t n) const {
                                     (whole.blocks * whole.replicates));
 }
 
+bool Integrator::fills_device(std::uint64_t n) const {
+  const DeviceFacts& facts = device_.facts();
+  const Launch whole = whole_run(n, 0);
+  const std::uint64_t items =
+      whole.blocks * whole.replicates * (kLanes / plan_.shape.lanes_per_item);
+  return items / plan_.shape.local_size >=
+         std::uint64_t{facts.compute_units} * (facts.is_cpu ? 8 : 32);
+}
+
 std::vector<double> Integrator::times_together(std::span<const RepeatedRun> launches, double y0) {
   prepare(launches.front().n);
   const auto launch_of = [&](const RepeatedRun& repeated) {

@@ -76,6 +76,9 @@ class Integrator {
   // How many runs of n samples one launch has room for, as times_together() may have them; 0 where
   // a run takes several launches or the plan counts samples.
   std::uint32_t runs_at_once(std::uint64_t n) const;
+  // Whether a run of n samples has work-groups enough to keep all compute units busy: 8 for each on
+  // CPUs, 32 elsewhere.
+  bool fills_device(std::uint64_t n) const;
   // Kernel seconds of one run in each of these launches (not empty), in that order, queued behind
   // each other and waited for once, so that the device does not wait for the host between them.
   // Their sums are not read. Each 1 … runs_at_once() runs; n all the same where the sampler is not

@@ -26,6 +26,10 @@ struct TimeStatistics {
   std::size_t count = 0;
 };
 
+// Between launches that are queued behind each other 5 to 15 us go by on PoCL, and about 8 us go
+// into a launch's start: both less than a tenth of launches that take so long.
+inline constexpr double kSecondsOfRuns = 0.0002;
+
 struct Row {
   std::uint64_t n = 0;  // samples per replicate
   std::uint32_t log2_block = 0;
@@ -44,6 +48,7 @@ struct Row {
   // Of one run of all replicates; `kernel` of launches that make runs_per_launch of them each.
   TimeStatistics kernel, wall;
   std::uint32_t runs_per_launch = 1;
+  double merged_kernel_s = 0;  // median of the kernel's part of `wall`
   // Seconds of a run in every timed launch in order, and of the calibration kernel beside it (the
   // shortest of the nearest launches before and after); the latter is empty where nothing was
   // calibrated.

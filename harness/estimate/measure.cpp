@@ -97,10 +97,6 @@ double PreparedCell::once(std::uint64_t n, Sums& sums) {
       });
 }
 
-void PreparedCell::add_merged(Row& row, double kernel_s, double wall_s, TimedLaunches& timed) {
-  timed.add_merged(row, row.runs_per_launch > 1 ? std::nullopt : std::optional(kernel_s), wall_s);
-}
-
 Row PreparedCell::first_launch(std::uint64_t n, TimedLaunches& timed) {
   Row row;
   row.n = n;
@@ -111,8 +107,7 @@ Row PreparedCell::first_launch(std::uint64_t n, TimedLaunches& timed) {
   const auto start = Clock::now();
   const double kernel_s = once(n, sums), wall_s = seconds_since(start);
   row.kernel = row.wall = summarise_times({kernel_s});
-  row.runs_per_launch = runs_of_launch(*integrator_, n, y0_, kernel_s);
-  add_merged(row, kernel_s, wall_s, timed);
+  timed.add_merged(row, kernel_s, wall_s);
   summarise(sums, row);
   return row;
 }
@@ -165,7 +160,7 @@ class PreparedCell::Together {
   // That a launch of the row is expected to take.
   double seconds_of(std::size_t row) const {
     const Row& r = rows_[row];
-    const double run_s = r.kernel_times.empty() ? r.kernel.median : r.kernel_times.back();
+    const double run_s = r.kernel_times.empty() ? r.kernel.min : r.kernel_times.back();
     return r.runs_per_launch * run_s;
   }
 
@@ -177,18 +172,30 @@ class PreparedCell::Together {
   double seconds_ = 0;  // that they are expected to take
 };
 
+void PreparedCell::choose_runs(Row& row, TimedLaunches& timed) {
+  const double fastest = *std::min_element(row.kernel_times.begin(), row.kernel_times.end());
+  row.runs_per_launch = runs_of_launch(*integrator_, row.n, y0_, fastest);
+  if (row.runs_per_launch == 1) return;
+  row.kernel = summarise_times(row.kernel_times);
+  timed.restart(row);
+}
+
 void PreparedCell::time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds,
                                TimedLaunches& timed) {
   Sums sums;
   const PartialSums ignore = [](std::uint32_t, std::uint32_t, std::span<const double>) {};
   Together together(*integrator_, y0_, rows, timed);
+  std::vector<bool> chosen(rows.size(), false);
   bool again = true;
   while (again) {
     again = false;
     for (std::size_t i = first; i < rows.size(); ++i) {
       const bool merged = timed.merged(rows[i].n) < kMergedRuns;
-      const bool counts = !merged || rows[i].runs_per_launch == 1;
-      if (counts && enough_launches(together.count(i), together.spent(i), most_rounds)) continue;
+      if (!merged && !chosen[i]) {
+        chosen[i] = true;
+        choose_runs(rows[i], timed);
+      }
+      if (enough_launches(together.count(i), together.spent(i), most_rounds)) continue;
       again = true;
       if (!merged && together.admits(i)) {
         together.add(i);
@@ -198,7 +205,7 @@ void PreparedCell::time_rounds(std::vector<Row>& rows, std::size_t first, std::s
       const double kernel_s =
           merged ? once(rows[i].n, sums) : integrator_->run(rows[i].n, y0_, ignore);
       if (merged)
-        add_merged(rows[i], kernel_s, seconds_since(start), timed);
+        timed.add_merged(rows[i], kernel_s, seconds_since(start));
       else
         timed.add(rows[i], kernel_s, seconds_since(start));
     }

@@ -51,11 +51,12 @@ class PreparedCell {
   double once(std::uint64_t n, Sums& sums);
   // The first launch of a row, and what it gives; its times go to timed.
   Row first_launch(std::uint64_t n, TimedLaunches& timed);
-  void add_merged(Row& row, double kernel_s, double wall_s, TimedLaunches& timed);
   // Further rounds over these rows, one launch of each after the other, then their times. The first
   // five runs of a row are waited for and merged one by one, as row.wall counts them.
+  // Those of rows short enough make several runs each from then on.
   void time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds,
                    TimedLaunches& timed);
+  void choose_runs(Row& row, TimedLaunches& timed);
   void summarise(const Sums& sums, Row& row);
   void estimate_kurtosis_of_f();
 

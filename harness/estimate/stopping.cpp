@@ -41,8 +41,9 @@ Stopped stop_at(const StopFacts& facts, std::string by, std::string reason) {
 double row_seconds(double launch) {
   std::size_t count = 1;
   while (!enough_launches(count, static_cast<double>(count) * launch, kLaunchesAlone)) ++count;
-  // The shortest rows are run several times a launch, beside those runs that are waited for.
-  const double repeated = launch < kSecondsOfRuns ? kLaunchesAlone * 2 * kSecondsOfRuns : 0;
+  // The shortest rows have launches of several runs beside those that are waited for, and as many
+  // again to find out how many runs. `launch` is a wall time, of which the kernel's is a part.
+  const double repeated = launch < 2 * kSecondsOfRuns ? 2 * kLaunchesAlone * kSecondsOfRuns : 0;
   return static_cast<double>(count) * launch + repeated;
 }
 

@@ -31,23 +31,34 @@ bool enough_launches(std::size_t count, double spent, std::size_t most) {
          (spent >= kRepeatSeconds && count >= kLeastLaunches);
 }
 
-std::uint32_t runs_of_launch(Integrator& integrator, std::uint64_t n, double y0, double kernel_s) {
+std::uint32_t runs_of_launch(Integrator& integrator, std::uint64_t n, double y0, double run_s) {
   const std::uint32_t room = integrator.runs_at_once(n);
-  if (room < 2 || kernel_s >= kSecondsOfRuns) return 1;
-  const std::vector<RepeatedRun> several(kTrials, {n, runs_that_last(kernel_s, room)});
-  const std::vector<double> run_s = integrator.times_together(several, y0);
-  return runs_that_last(*std::min_element(run_s.begin(), run_s.end()), room);
+  if (room < 2 || run_s >= kSecondsOfRuns || !integrator.fills_device(n)) return 1;
+  std::uint32_t runs = 1, wanted = runs_that_last(run_s, room);
+  while (wanted > runs + runs / 4) {
+    runs = wanted;
+    const std::vector<RepeatedRun> several(kTrials, {n, runs});
+    const std::vector<double> times = integrator.times_together(several, y0);
+    wanted = runs_that_last(*std::min_element(times.begin(), times.end()), room);
+  }
+  return runs;
 }
 
 TimedLaunches::TimedLaunches(Calibration& calibration)
     : calibration_(calibration), before_(calibration.run()) {}
 
-void TimedLaunches::add_merged(Row& row, std::optional<double> kernel_s, double wall_s) {
+void TimedLaunches::add(Row& row, double kernel_s, double wall_s) {
+  row.kernel_times.push_back(kernel_s);
+  times_[row.n].spent += wall_s;
+  uncovered_.push_back(row.n);
+  since_ += wall_s;
+  if (since_ >= kSecondsBetweenCalibrations) calibrate();
+}
+
+void TimedLaunches::add_merged(Row& row, double kernel_s, double wall_s) {
   times_[row.n].wall.push_back(wall_s);
-  if (kernel_s)
-    add(row, *kernel_s, wall_s);
-  else
-    pass(wall_s);
+  times_[row.n].merged_kernel.push_back(kernel_s);
+  add(row, kernel_s, wall_s);
 }
 
 std::size_t TimedLaunches::merged(std::uint64_t n) const {
@@ -55,16 +66,11 @@ std::size_t TimedLaunches::merged(std::uint64_t n) const {
   return found == times_.end() ? 0 : found->second.wall.size();
 }
 
-void TimedLaunches::add(Row& row, double kernel_s, double wall_s) {
-  row.kernel_times.push_back(kernel_s);
-  times_[row.n].spent += wall_s;
-  uncovered_.push_back(row.n);
-  pass(wall_s);
-}
-
-void TimedLaunches::pass(double wall_s) {
-  since_ += wall_s;
-  if (since_ >= kSecondsBetweenCalibrations) calibrate();
+void TimedLaunches::restart(Row& row) {
+  row.kernel_times.clear();
+  times_[row.n].calibration.clear();
+  times_[row.n].spent = 0;
+  std::erase(uncovered_, row.n);
 }
 
 double TimedLaunches::spent(std::uint64_t n) const {
@@ -90,6 +96,7 @@ void TimedLaunches::finish(std::vector<Row>& rows, std::size_t first) {
   for (std::size_t i = first; i < rows.size(); ++i) {
     rows[i].kernel = summarise_times(rows[i].kernel_times);
     rows[i].wall = summarise_times(times_[rows[i].n].wall);
+    rows[i].merged_kernel_s = summarise_times(times_[rows[i].n].merged_kernel).median;
     rows[i].calibration = times_[rows[i].n].calibration;
   }
 }

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <vector>
 
 #include "device/calibration.hpp"
@@ -23,14 +22,11 @@ TimeStatistics summarise_times(std::vector<double> times);
 inline constexpr double kSecondsBetweenCalibrations = 0.005;
 // At most so many launches of a row that is timed by itself.
 inline constexpr std::size_t kLaunchesAlone = 5;
-// Between launches that are queued behind each other 5 to 15 us go by on PoCL: less than a tenth of
-// launches that take so long.
-inline constexpr double kSecondsOfRuns = 0.0002;
-
-// Runs of n samples that a timed launch makes, 1 or more: as few as take kSecondsOfRuns, if it has
-// room for them. `kernel_s` is the time of a launch of one run; as its start shows in that,
-// launches of as many runs as it suggests are timed here.
-std::uint32_t runs_of_launch(Integrator& integrator, std::uint64_t n, double y0, double kernel_s);
+// Runs of n samples that a timed launch makes, 1 or more: as few as take kSecondsOfRuns, as far as
+// it has room for them. `run_s` is the kernel time of a launch of one run; as its start shows in
+// that, launches of several are timed here. 1 where a run leaves compute units idle: runs side by
+// side would look faster than any.
+std::uint32_t runs_of_launch(Integrator& integrator, std::uint64_t n, double y0, double run_s);
 
 // Whether a row that was launched `count` times in `spent` seconds has enough: 20 ms of launches
 // and at least three, as a median needs, unless those take 60 ms; never more than `most`.
@@ -42,10 +38,11 @@ class TimedLaunches {
 
   // One launch of this row: the kernel's seconds of a run, and the wall's of the launch.
   void add(Row& row, double kernel_s, double wall_s);
-  // One run, waited for and its sums merged, whose wall seconds row.wall is made of. Without
-  // `kernel_s`, of rows whose launches make several runs, it is no launch of the row.
-  void add_merged(Row& row, std::optional<double> kernel_s, double wall_s);
+  // The same of one run that was waited for and its sums merged: row.wall is made of these.
+  void add_merged(Row& row, double kernel_s, double wall_s);
   std::size_t merged(std::uint64_t n) const;
+  // The launches of the row so far are not counted as such: those from now on make several runs.
+  void restart(Row& row);
   // Wall seconds of all launches of the row of this N.
   double spent(std::uint64_t n) const;
   // After the last launch of rows[first], ...: their calibrations and time statistics.
@@ -53,10 +50,9 @@ class TimedLaunches {
 
  private:
   struct Times {
-    std::vector<double> wall, calibration;
+    std::vector<double> wall, merged_kernel, calibration;
     double spent = 0;
   };
-  void pass(double wall_s);
   void calibrate();
 
   Calibration& calibration_;

@@ -63,9 +63,10 @@ Json mc_test_json(const McTest& test) {
           {"p_value", number_or_null(test.p_value)}};
 }
 
-// A launch costs about 60 us (measured on PoCL): below a millisecond it shows in the time of the
-// kernel.
-bool launch_bound(const Row& row) { return row.kernel.median * row.runs_per_launch < 1e-3; }
+// About 8 us go into a launch's start (PoCL): in shorter launches a tenth of the kernel's time.
+bool launch_bound(const Row& row) {
+  return row.kernel.median * row.runs_per_launch < kSecondsOfRuns / 2;
+}
 
 Json row_json(const Row& row, const CellResult& result, const Estimator& estimator) {
   const double samples =

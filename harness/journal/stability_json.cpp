@@ -152,7 +152,7 @@ void add_work(const CellResult& result, const Json& cell, Json& json) {
   if (result.rows.empty()) return;
   const Row& last = result.rows.back();
   json["t_kernel"] = last.kernel.median;
-  json["t_transfer"] = std::max(0.0, last.wall.median - last.kernel.median);
+  json["t_transfer"] = std::max(0.0, last.wall.median - last.merged_kernel_s);
   json["efficiency"] = cell["rows"].back()["efficiency"];
   for (const Json& t : cell["efficiency"]["time_to_tolerance"])
     for (const char* tolerance : {"1e-3", "1e-6"})

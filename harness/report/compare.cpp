@@ -241,6 +241,13 @@ class Comparer {
       row_of(pair).time.reason = "no times of single launches";
       return;
     }
+    // Results of before 2026-11-29 do not tell: every launch was one run, and its start showed.
+    const auto runs = [](const Json& row) { return row.value("runs_per_launch", 0); };
+    if (std::min(runs(*pair.base), runs(*pair.now)) == 0 &&
+        std::max(runs(*pair.base), runs(*pair.now)) > 1) {
+      row_of(pair).time.reason = "one run per launch on one side, several on the other";
+      return;
+    }
     pair.compared = at_equal_speed(pair.base_launches, pair.new_launches);
     ++result_.rows_timed;
     uncalibrated_ += calibrated ? 0 : 1;

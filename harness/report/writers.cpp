@@ -30,7 +30,8 @@ Json benchmark_entry(const std::string& name, std::size_t family) {
 Json benchmark_of_row(const Json& cell, const Json& row, std::size_t family, std::size_t place) {
   Json entry = benchmark_entry(row_name(cell, row), family);
   entry["per_family_instance_index"] = place;
-  entry["iterations"] = row["kernel_s"]["count"];
+  entry["iterations"] = row["kernel_s"]["count"].get<std::uint64_t>() *
+                        row.value("runs_per_launch", std::uint64_t{1});
   entry["real_time"] = row["kernel_s"]["median"].get<double>() * 1e9;
   entry["cpu_time"] = row["wall_s"]["median"].get<double>() * 1e9;
   entry["time_unit"] = "ns";

@@ -18,8 +18,8 @@
 #define KOKSMA_DIGITAL_SIGNED \
   (KOKSMA_CENTRED_DRAWS && !KOKSMA_FP64 && KOKSMA_UNROLLED && !KOKSMA_DIGITAL_OWEN && KOKSMA_DIGITAL_INTERLACE == 1)
 // Many states are stepped as they are drawn: what does not fit the registers then passes the caches once per sample,
-// not twice. Measured on AVX2 and AVX-512: 1.3 times as fast from d = 128 on, by a tenth in fp32 at d = 6 to 16; at d = 2
-// it loses a quarter, and in fp64 up to d = 16 it makes no difference.
+// not twice. Measured with shifted Sobol' points on AVX2 and AVX-512: 1.3 times as fast at d = 128 and 1024, by up to a
+// tenth in fp32 at d = 6 to 16; in fp64 up to d = 16, and beside Owen's hash, no difference; slower at d = 2.
 #define KOKSMA_DIGITAL_STEPS_LATE (KOKSMA_DIGITAL_DIM > 4)
 
 typedef struct {
@@ -66,7 +66,8 @@ static inline void points_seek(points *p, __global const word *table, ulong firs
     for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] ^= step[d];
   }
 #if KOKSMA_DIGITAL_STEPS_LATE
-  // The first draws step too: any words do, set in here and cancelled there.
+  // The first draws step too: any words do, set in here and cancelled there. Not unrolled, which leaves the states on
+  // the stack: unrolled, as for states in registers, kernels at d = 8 are 7 to 15 % slower (AVX2 and AVX-512).
   p->step = lanes;
   for (uint d = 0; d < KOKSMA_DIGITAL_DIM; ++d) p->state[d] ^= p->step[d];
 #endif

@@ -81,7 +81,9 @@ def scaled(path, out):
 def calibration_share(results):
     """Calibration's share of the timed launches, each row's calibrations counted as often as they are shared: an
     upper bound."""
-    timed = sum(sum(r["kernel_times_s"]) for c in results["cells"] for r in c["rows"])
+    timed = sum(
+        r.get("runs_per_launch", 1) * sum(r["kernel_times_s"]) for c in results["cells"] for r in c["rows"]
+    )
     distinct = sum(len(set(r["calibration_s"])) * min(r["calibration_s"]) for c in results["cells"] for r in c["rows"])
     return distinct / timed
 

@@ -113,8 +113,13 @@ void overhead_together(State& state, const OverheadRow& row, std::vector<std::st
                         compute_exact(device(), *plan.integrand, plan.cell.scene).coefficients);
   const std::uint64_t n = plan.cell.n.front();
   const auto nothing = [](std::uint32_t, std::uint32_t, std::span<const double>) {};
-  if (integrator.runs_at_once(n) == 0) throw std::runtime_error("a run is more than one launch");
+  const std::uint32_t room = integrator.runs_at_once(n);
+  if (room == 0) throw std::runtime_error("a run is more than one launch");
+  integrator.run(n, 0, nothing);
   const std::uint32_t runs = runs_of_launch(integrator, n, 0, integrator.run(n, 0, nothing));
+  // Of a fourth of the launches, four times the runs: what a launch's start adds to kernel_s.
+  const std::vector<RepeatedRun> longer(kTogether / 4, {n, std::min(4 * runs, room)});
+  Fastest longer_run;
   const std::vector<RepeatedRun> launches(kTogether, RepeatedRun{n, runs});
   Fastest kernel, wall;
   std::size_t rounds = 0;
@@ -125,12 +130,17 @@ void overhead_together(State& state, const OverheadRow& row, std::vector<std::st
       const std::vector<double> run_s = integrator.times_together(launches, 0);
       wall.add(seconds_since(start));
       kernel.add(std::accumulate(run_s.begin(), run_s.end(), 0.0) * runs);
+      const std::vector<double> longer_s = integrator.times_together(longer, 0);
+      longer_run.add(std::accumulate(longer_s.begin(), longer_s.end(), 0.0) /
+                     static_cast<double>(longer.size()));
       ++rounds;
     }
     state.SetIterationTime(wall.best());
   }
   state.counters["rounds"] = static_cast<double>(rounds);
   state.counters["runs"] = runs;
+  state.counters["longer_runs"] = longer.front().runs;
+  state.counters["start"] = kernel.best() / (kTogether * runs) / longer_run.best() - 1;
   report_overhead(state, "launches_together", row, {wall.best(), kernel.best(), kTogether * runs},
                   missed);
 }

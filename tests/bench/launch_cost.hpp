@@ -16,7 +16,9 @@ namespace koksma::bench {
 //
 // launches_together/…: the same work as koksma times short rows (Integrator::times_together): 24
 // launches of `runs` runs each, queued behind each other and waited for once: wall time over the
-// sum of the kernels' times, less 1; `kernel_us` and `wall_us` are those of one run.
+// sum of the kernels' times, less 1; `kernel_us` and `wall_us` are those of one run. `start`: the
+// kernel's time of a run over that in launches of `longer_runs`, four times as many where they have
+// room, less 1.
 //
 // first_row: seconds from the start of `koksma run` with one row until it has ended, which is after
 // that row was printed and written; caches warm, best of nine; must be below `limit_s`.
