@@ -25,7 +25,9 @@ TEST_CASE("the calibration kernel runs, takes time and is counted", "[device][ti
 TEST_CASE("every timed launch has a calibration beside it, and long launches are not repeated",
           "[device][timing]") {
   for (const char* sampler : {"sobol-owen", "latin"}) {  // one table for all N, and one for each
-    Cell cell = test::cell("linear-prod:d=2", sampler, 256, 32);
+    // Replicates enough to keep all compute units busy.
+    const std::uint32_t replicates = std::max(32U, 8 * test::device().facts().compute_units);
+    Cell cell = test::cell("linear-prod:d=2", sampler, 256, replicates);
     cell.n = {256, 512, 1024};
     PreparedCell prepared(test::catalog(), test::device(), test::device(),
                           make_plan(test::catalog(), cell, test::device().facts()));
