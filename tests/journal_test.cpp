@@ -105,6 +105,7 @@ TEST_CASE("any change to a cell makes it another cell", "[unit]") {
   CHECK(differs([](Cell& c) { c.stop.until = 1; }));
   CHECK(differs([](Cell& c) { c.stop.until = 2; }));
   CHECK(differs([](Cell& c) { c.stop.beyond_n = 128; }));
+  CHECK(differs([](Cell& c) { c.launches = 1; }));
 }
 
 TEST_CASE(

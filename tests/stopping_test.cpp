@@ -63,6 +63,9 @@ TEST_CASE("a row costs its launches: to 20 ms, three at least, five at most", "[
   CHECK(row_seconds(0.001) == Approx(0.005));
   // And 2 ms where launches make several runs.
   CHECK(row_seconds(1e-5) == Approx(5 * 1e-5 + 10 * kSecondsOfRuns));
+  // Of fewer launches, none makes several.
+  CHECK(row_seconds(0.015, 1) == Approx(0.015));
+  CHECK(row_seconds(1e-5, 4) == Approx(4 * 1e-5));
 }
 
 TEST_CASE("the error reached ends a cell first, then its sizes, then its budget", "[unit]") {
@@ -82,6 +85,14 @@ TEST_CASE("the error reached ends a cell first, then its sizes, then its budget"
   CHECK(budget.at_n == 128);
   CHECK(budget.next_n == 256U);
   CHECK(*budget.predicted_s == Approx(4));
+  const std::vector<Timing> short_launches{{64, 0.001}, {128, 0.002}};
+  facts.launches = short_launches;
+  facts.spent = 6.99;
+  CHECK(why_stop(facts)->predicted_s == Approx(5 * 0.004));
+  facts.most_launches = 2;
+  CHECK_FALSE(why_stop(facts));
+  facts.launches = launches;
+  facts.spent = 3.01;
   facts.next.reset();
   CHECK(why_stop(facts)->by == "beyond-n");
   facts.sampler_ends = true;
@@ -184,6 +195,50 @@ TEST_CASE("a stop rule that can not be meant is told with its place", "[unit]") 
     CHECK_THAT(run.output, Contains(std::string(flag).substr(0, std::string(flag).find(' '))) &&
                                Contains("allowed is a finite number above 0"));
   }
+}
+
+TEST_CASE("launches are read from the block, else the study, and the flag replaces them",
+          "[unit]") {
+  Json study = study_with({{"launches", 2}});
+  const auto launches = [&](const StudyFlags& flags = {}) {
+    return study_from(test::catalog(), study, "s.json", flags).cells[0].launches;
+  };
+  CHECK(launches() == 2U);
+  study["cells"][0]["launches"] = 3;
+  CHECK(launches() == 3U);
+  StudyFlags flags;
+  flags.launches = 4;
+  CHECK(launches(flags) == 4U);
+  study = study_with(Json::object());
+  CHECK_FALSE(launches());
+  for (const Json& wrong : {Json(0), Json(17), Json(1.5)})
+    CHECK_THAT(refusal_of_study(study_with({{"launches", wrong}})), Contains("/launches"));
+  for (const char* wrong : {"0", "17", "many"}) {
+    const auto run = test::run_command("run " + kCell + "--sampler random --launches " + wrong);
+    CHECK(run.status == 2);
+    CHECK_THAT(run.output, Contains("--launches"));
+  }
+}
+
+TEST_CASE("rows are launched as often as --launches says, with the same estimates", "[device]") {
+  const test::TemporaryFolder folder;
+  const std::string flags = kCell + "--sampler sobol-owen --n 2^5..2^6 ";
+  const Json usual = run_cell(folder, flags).results["cells"][0]["rows"];
+  for (const std::string more : {"", "--time-budget 1e-6 "})
+    for (const std::size_t count : {1, 2}) {
+      const Json rows = run_cell(folder, flags + more + fmt::format("--launches {}", count))
+                            .results["cells"][0]["rows"];
+      INFO(more << count);
+      REQUIRE(rows.size() == (more.empty() ? 2 : 1));
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        CHECK(rows[i]["kernel_s"]["count"] == count);
+        CHECK(rows[i]["wall_s"]["count"] == count);
+        CHECK(rows[i]["kernel_times_s"].size() == count);
+        CHECK(rows[i]["estimate"] == usual[i]["estimate"]);
+        CHECK(rows[i]["rmse"] == usual[i]["rmse"]);
+        CHECK(usual[i]["kernel_s"]["count"] > 2);
+      }
+    }
 }
 
 TEST_CASE("--until goes on beyond the study by doubling, and stops at the first N that is there",

@@ -210,11 +210,12 @@ void measure(Explained& e, Device& device, const Catalog& catalog,
 }
 
 int explain(const ExplainOptions& options) {
+  std::future<Device> loading = Device::choose_beside(options.device);
   const Catalog catalog = load_catalog(options.integrands);
   StudyFlags flags = options.flags;
   flags.own_directions = !options.directions.empty();
   const Study study = read_study(catalog, "", flags);
-  Device device = Device::choose(options.device);
+  Device device = loading.get();
   Device exact_device = Device::choose_exact(device);
   for (const Cell& cell : study.cells) {
     Plan plan = make_plan(catalog, cell, device.facts(), options.directions);

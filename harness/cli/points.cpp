@@ -83,6 +83,7 @@ int points(const PointsOptions& options) {
   if (!npy && !options.out.ends_with(".csv"))
     throw InputError("--out", fmt::format("'{}'", options.out),
                      "the name must end in .csv or .npy");
+  std::future<Device> loading = Device::choose_beside(options.device);
   const Catalog catalog = load_catalog();
   const Sampler sampler = catalog.sampler(options.sampler, "--sampler");
   const auto sizes = parse_sizes(options.n, "--n");
@@ -90,7 +91,7 @@ int points(const PointsOptions& options) {
     throw InputError("--n", fmt::format("'{}'", options.n), "give one number of points");
   check(options, sampler, sizes[0]);
   check_writable(options.out);
-  Device device = Device::choose(options.device);
+  Device device = loading.get();
   const std::string asked =
       options.precision.empty() ? (device.facts().fp64 ? "fp64" : "fp32") : options.precision;
   const Precision precision = asked == "fp64" ? Precision::fp64 : Precision::fp32;

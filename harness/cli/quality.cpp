@@ -130,10 +130,11 @@ std::vector<KoksmaHlawka> inequalities(const CheckedRequest& checked, const Cata
 }
 
 int quality(const QualityOptions& options, const std::string& command_line) {
+  std::future<Device> loading = Device::choose_beside(options.device);
   const Catalog catalog = load_catalog(options.integrands);
   CheckedRequest checked = check(options, catalog, command_line);
   QualityRequest& request = checked.request;
-  Device device = Device::choose(options.device);
+  Device device = loading.get();
   const bool fp64 = device.facts().fp64;
   request.precision = options.precision.empty() ? (fp64 ? "fp64" : "fp32") : options.precision;
   const Precision precision = request.precision == "fp64" ? Precision::fp64 : Precision::fp32;

@@ -240,6 +240,7 @@ void check_sampler_files(const Catalog& catalog, const Study& study, const Devic
 }
 
 int run(const RunOptions& options, const std::string& command_line) {
+  std::future<Device> loading = Device::choose_beside(options.device);
   const Catalog catalog = load_catalog(options.integrands);
   StudyFlags flags = options.flags;
   flags.own_directions = !options.directions.empty();
@@ -252,7 +253,7 @@ int run(const RunOptions& options, const std::string& command_line) {
   }
   check_writable(out);
   check_directions(options, catalog, study);
-  Device device = Device::choose(options.device);
+  Device device = loading.get();
   check_sampler_files(catalog, study, device.facts());
 
   const Json context = make_context(device.facts(), study, command_line);
@@ -305,6 +306,10 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
                    "sample counts: 2^8..2^20, 1000, or a list with commas");
   verb->add_option("--replicates", options->flags.replicates, "independent randomizations per N")
       ->check(CLI::Range(1, 65536));
+  verb->add_option("--launches", options->flags.launches,
+                   "timed launches of a row, at most; 1 where its time matters less; default: what "
+                   "20 ms take, 3 to 16")
+      ->check(CLI::Range(1, 16));
   verb->add_option("--precision", options->flags.precision,
                    "fp32 or fp64; default: fp64 where the device has it")
       ->check(CLI::IsMember({"fp32", "fp64"}));

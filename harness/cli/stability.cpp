@@ -29,6 +29,7 @@ std::string progress_line(const CaseOutcome& outcome) {
 
 int stability(const StabilityOptions& options, const std::string& command_line) {
   const auto start = std::chrono::steady_clock::now();
+  std::future<Device> loading = Device::choose_beside(options.device);
   const Catalog catalog = load_catalog(options.integrands);
   std::vector<std::string> scenes = options.scenes;
   if (scenes.empty())
@@ -42,7 +43,7 @@ int stability(const StabilityOptions& options, const std::string& command_line) 
     std::filesystem::create_directories("results", ignored);
   }
   check_writable(out);
-  Device device = Device::choose(options.device);
+  Device device = loading.get();
   Device exact_device = Device::choose_exact(device);
 
   Progress progress(stderr, suite.study.cells.size(), options.quiet);

@@ -167,6 +167,11 @@ Device Device::choose(const std::string& selector) {
   return checked([&] { return Device(chosen->device, std::move(facts)); });
 }
 
+std::future<Device> Device::choose_beside(const std::string& selector) {
+  pin_pocl_threads();  // here: the environment is not written while another thread reads it
+  return std::async(std::launch::async, [selector] { return choose(selector); });
+}
+
 Device Device::choose_exact(const Device& preferred) {
   if (preferred.facts_.is_cpu && preferred.facts_.fp64) return preferred;
   const auto all = candidates();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CL/opencl.hpp>  // with the CL_HPP_ definitions of CMakeLists.txt
+#include <future>
 #include <map>
 #include <memory>
 #include <string>
@@ -34,6 +35,9 @@ class Device {
   // there is none or nothing matches. Kept programs and the device's tuning are used unless
   // KOKSMA_KEPT=off; a tuning that is not usable is told on stderr.
   static Device choose(const std::string& selector);
+  // The same beside what the caller does meanwhile, reading a catalog say: loading PoCL and its
+  // LLVM takes 35 ms. get() gives the device or choose()'s error; the destructor waits.
+  static std::future<Device> choose_beside(const std::string& selector);
   // A CPU device with fp64 for exact values: this one if it is such, else the first found;
   // NoDeviceError otherwise.
   static Device choose_exact(const Device& preferred);

@@ -18,12 +18,15 @@ using Clock = std::chrono::steady_clock;
 // A run launches a row at most this often: rank tests of single rows need so many
 // (report/compare.hpp).
 constexpr std::size_t kLaunchesOfRun = 16;
-// So often a row is run, waited for and merged by itself: wall times are those of these runs.
-constexpr std::size_t kMergedRuns = 5;
 constexpr std::uint64_t kKurtosisSamples = 4096;  // of which the kurtosis of f is estimated
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Launches of a row: `most`, or as few as the study says.
+std::size_t most_launches(const Cell& cell, std::size_t most) {
+  return cell.launches ? std::min<std::size_t>(*cell.launches, most) : most;
 }
 
 double median_of_finite(std::vector<double> values) {
@@ -289,17 +292,18 @@ Stopped PreparedCell::run_rows(const std::optional<Reference>& reference, std::v
   std::vector<Timing> launches;
   StopFacts facts;
   facts.rule = asked.stop;
+  facts.most_launches = most_launches(asked, kLaunchesAlone);
   const auto start = Clock::now();
   TimedLaunches timed(*calibration_);
+  const std::size_t most = most_launches(asked, asked.stop.any() ? kLaunchesAlone : kLaunchesOfRun);
   const bool one_by_one = !plan_->sampler->extensible || asked.stop.any();
   const auto finished = [&](Stopped stopped) {
-    if (!one_by_one) time_rounds(rows, 0, kLaunchesOfRun, timed);
+    if (!one_by_one) time_rounds(rows, 0, most, timed);
     return stopped;
   };
   for (facts.n = asked.n.front();; facts.n = *facts.next) {
     rows.push_back(first_launch(facts.n, timed));
-    if (one_by_one)
-      time_rounds(rows, rows.size() - 1, asked.stop.any() ? kLaunchesAlone : kLaunchesOfRun, timed);
+    if (one_by_one) time_rounds(rows, rows.size() - 1, most, timed);
     launches.push_back({facts.n, rows.back().wall.median});
     facts.launches = launches;
     facts.next = next_size(*plan_->sampler, asked, facts.n);

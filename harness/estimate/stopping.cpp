@@ -38,12 +38,13 @@ Stopped stop_at(const StopFacts& facts, std::string by, std::string reason) {
 
 }  // namespace
 
-double row_seconds(double launch) {
+double row_seconds(double launch, std::size_t most) {
   std::size_t count = 1;
-  while (!enough_launches(count, static_cast<double>(count) * launch, kLaunchesAlone)) ++count;
+  while (!enough_launches(count, static_cast<double>(count) * launch, most)) ++count;
   // The shortest rows have launches of several runs beside those that are waited for, and as many
   // again to find out how many runs. `launch` is a wall time, of which the kernel's is a part.
-  const double repeated = launch < 2 * kSecondsOfRuns ? 2 * kLaunchesAlone * kSecondsOfRuns : 0;
+  const bool repeats = most >= kMergedRuns && launch < 2 * kSecondsOfRuns;
+  const double repeated = repeats ? 2 * kLaunchesAlone * kSecondsOfRuns : 0;
   return static_cast<double>(count) * launch + repeated;
 }
 
@@ -73,7 +74,8 @@ std::optional<Stopped> why_stop(const StopFacts& facts) {
                    why_no_more(facts));
   const std::optional<TimeLine> line = fit_times(facts.launches);
   if (!rule.time_budget || !line) return std::nullopt;
-  const double predicted = row_seconds(seconds_at(*line, static_cast<double>(*facts.next)));
+  const double predicted =
+      row_seconds(seconds_at(*line, static_cast<double>(*facts.next)), facts.most_launches);
   if (facts.spent + predicted <= *rule.time_budget) return std::nullopt;
   Stopped stopped = stop_at(
       facts, "time-budget",

@@ -12,12 +12,13 @@
 
 #include "estimate/cell_result.hpp"
 #include "estimate/efficiency.hpp"
+#include "estimate/timed_launches.hpp"
 #include "study/study.hpp"
 
 namespace koksma {
 
-// Seconds of all launches of a row, when one takes `launch` > 0 seconds.
-double row_seconds(double launch);
+// Seconds of all launches of a row, at most `most` of them, when one takes `launch` > 0 seconds.
+double row_seconds(double launch, std::size_t most = kLaunchesAlone);
 
 // RMSE of the row relative to |I|, or absolute where I = 0; of unknown integrals relative to the
 // reference, or where the cell is its own, the replicates' standard deviation relative to their
@@ -29,12 +30,13 @@ std::optional<double> reached_error(const Row& row, const std::optional<double>&
 // What is known after a row.
 struct StopFacts {
   StopRule rule;
-  std::uint64_t n = 0;                // of the row
-  std::optional<std::uint64_t> next;  // none: there are no more sizes
-  bool sampler_ends = false;          // and that for the sampler's sake
-  std::optional<double> reached;      // reached_error()
-  double spent = 0;                   // seconds since before the first row
-  std::span<const Timing> launches;   // wall seconds of one launch, per row so far
+  std::uint64_t n = 0;                         // of the row
+  std::optional<std::uint64_t> next;           // none: there are no more sizes
+  bool sampler_ends = false;                   // and that for the sampler's sake
+  std::optional<double> reached;               // reached_error()
+  double spent = 0;                            // seconds since before the first row
+  std::span<const Timing> launches;            // wall seconds of one launch, per row so far
+  std::size_t most_launches = kLaunchesAlone;  // of the next row
 };
 
 // Empty: the next row is run. The first that holds of: the error is reached, there are no more

@@ -22,6 +22,8 @@ TimeStatistics summarise_times(std::vector<double> times);
 inline constexpr double kSecondsBetweenCalibrations = 0.005;
 // At most so many launches of a row that is timed by itself.
 inline constexpr std::size_t kLaunchesAlone = 5;
+// So often a row is run, waited for and merged by itself: wall times are those of these runs.
+inline constexpr std::size_t kMergedRuns = 5;
 
 // Runs of n samples that a timed launch makes, 1 or more: as few as take kSecondsOfRuns, as far as
 // it has room for them. `run_s` is the kernel time of a launch of one run; as its start shows in

@@ -207,6 +207,7 @@ Json cell_identity(const Cell& cell) {
   json["replicates"] = cell.replicates;
   json["seed"] = cell.seed;
   json["stop"] = stop_rule_json(cell.stop);
+  json["launches"] = cell.launches ? Json(*cell.launches) : Json(nullptr);
   return json;
 }
 

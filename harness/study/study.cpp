@@ -47,11 +47,12 @@ void add_range(std::set<std::uint64_t>& sizes, std::string_view item, std::strin
 }
 
 // The number that the block or the study gives, unless the flag does.
-std::optional<double> number_setting(const std::optional<double>& flag, const Json& block,
+template <typename Number>
+std::optional<Number> number_setting(const std::optional<Number>& flag, const Json& block,
                                      const Json& study, const char* key) {
   if (flag) return flag;
   for (const Json* level : {&block, &study})
-    if (level->contains(key)) return level->at(key).get<double>();
+    if (level->contains(key)) return level->at(key).get<Number>();
   return std::nullopt;
 }
 
@@ -115,6 +116,7 @@ struct BlockReader {
     const std::string sizes_where = place(flags.n, "n");
     cell.n = parse_sizes(sizes.empty() ? "2^8..2^18" : sizes, sizes_where);
     check_sizes(cell, sampler, sizes_where);
+    cell.launches = number_setting(flags.launches, block, study, "launches");
     set_stop(cell);
     return cell;
   }
@@ -195,9 +197,11 @@ Json merged(const Json& study, const StudyFlags& flags) {
   if (!flags.estimator.empty())
     for (Json& block : result["cells"]) block["estimator"] = flags.estimator;
   if (flags.seed) result["seed"] = *flags.seed;
-  if (flags.replicates) {
-    result["replicates"] = *flags.replicates;
-    for (Json& block : result["cells"]) block.erase("replicates");
+  for (const auto& [key, value] :
+       {std::pair{"replicates", flags.replicates}, {"launches", flags.launches}}) {
+    if (!value) continue;
+    result[key] = *value;
+    for (Json& block : result["cells"]) block.erase(key);
   }
   return result;
 }

@@ -44,6 +44,7 @@ struct Cell {
   std::uint32_t replicates = 1;
   std::uint64_t seed = 0;
   StopRule stop;
+  std::optional<std::uint32_t> launches;  // at most so many timed launches of a row, 1 to 16
 };
 
 struct Study {
@@ -57,7 +58,7 @@ struct Study {
 struct StudyFlags {
   std::vector<std::string> scenes, samplers;
   std::string estimator, n, precision, sum;
-  std::optional<std::uint32_t> replicates;
+  std::optional<std::uint32_t> replicates, launches;
   std::optional<std::uint64_t> seed;
   std::optional<double> time_budget, until;
   bool own_directions = false;  // --directions: the file sets the limit on d
