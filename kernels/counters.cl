@@ -15,35 +15,69 @@ typedef mask signed_bits;
 static inline bits ones_of(mask m) { return (word)0 - KOKSMA_AS_BITS(m); }
 #endif
 
-// What only has to be known of any lane, or of the greatest, is folded to 8 lanes as it comes in fp64: the registers
-// are the integrand's.
-#if KOKSMA_LANES_PER_ITEM == 16 && KOKSMA_FP64
-typedef KOKSMA_PASTE(KOKSMA_SIGNED, 8) watch;
-static inline watch greatest_of(signed_bits b) { return max(b.lo, b.hi); }
-static inline watch either_of(mask m) { return m.lo | m.hi; }
+// What only has to be known of any lane is told from 32 bits of each. In fp64 these are the high halves, half the
+// registers: packed by shuffles inside 128 bits (vshufps), in an order of their own. They tell of too many samples
+// rather than too few, which are counted exactly afterwards.
+#if KOKSMA_LANES_PER_ITEM == 1
+typedef int watch;
+#define KOKSMA_AS_WATCH as_int
 #else
-typedef signed_bits watch;
-static inline watch greatest_of(signed_bits b) { return b; }
-static inline watch either_of(mask m) { return m; }
+typedef KOKSMA_PASTE(int, KOKSMA_LANES_PER_ITEM) watch;
+#define KOKSMA_AS_WATCH KOKSMA_PASTE(as_int, KOKSMA_LANES_PER_ITEM)
 #endif
+#define KOKSMA_HIGH(w) ((uint)((w) >> (8 * sizeof(word) - 32)))
+#define KOKSMA_SIGN_32 0x80000000u
+
+static inline words32 high_halves(bits b) {
+#if !KOKSMA_FP64
+  return b;
+#elif KOKSMA_LANES_PER_ITEM == 16
+  const uint16 lo = as_uint16(b.lo), hi = as_uint16(b.hi);
+  return (uint16)(lo.s13, hi.s13, lo.s57, hi.s57, lo.s9b, hi.s9b, lo.sdf, hi.sdf);
+#elif KOKSMA_LANES_PER_ITEM == 8
+  const uint8 lo = as_uint8(b.lo), hi = as_uint8(b.hi);
+  return (uint8)(lo.s13, hi.s13, lo.s57, hi.s57);
+#elif KOKSMA_LANES_PER_ITEM == 4
+  return as_uint8(b).odd;
+#else
+  return (uint)(b >> 32);
+#endif
+}
+
+static inline watch watch_of(mask m) {
+#if KOKSMA_LANES_PER_ITEM == 1
+  return m;
+#else
+  return KOKSMA_AS_WATCH(high_halves(KOKSMA_AS_BITS(m)));
+#endif
+}
 
 // any_lane of what is 0 or -1, for every sample: PoCL's any() tests lane after lane.
 static inline int some_watch(watch w) {
 #if KOKSMA_LANES_PER_ITEM == 1
   return w != 0;
 #else
-#if KOKSMA_LANES_PER_ITEM == 16 && !KOKSMA_FP64
-  const KOKSMA_PASTE(KOKSMA_SIGNED, 8) half_of = w.lo | w.hi;
-  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = half_of.lo | half_of.hi;
-#elif KOKSMA_LANES_PER_ITEM == 4
-  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = w;
+#if KOKSMA_LANES_PER_ITEM == 16
+  const int8 half_of = w.lo | w.hi;
+  const int4 quarter = half_of.lo | half_of.hi;
+#elif KOKSMA_LANES_PER_ITEM == 8
+  const int4 quarter = w.lo | w.hi;
 #else
-  const KOKSMA_PASTE(KOKSMA_SIGNED, 4) quarter = w.lo | w.hi;
+  const int4 quarter = w;
 #endif
-  const KOKSMA_PASTE(KOKSMA_SIGNED, 2) pair = quarter.lo | quarter.hi;
+  const int2 pair = quarter.lo | quarter.hi;
   return (pair.x | pair.y) != 0;
 #endif
 }
+
+// The greatest of all lanes is folded to 8 lanes as it comes in fp64: the registers are the integrand's.
+#if KOKSMA_LANES_PER_ITEM == 16 && KOKSMA_FP64
+typedef KOKSMA_PASTE(KOKSMA_SIGNED, 8) greatest;
+static inline greatest greatest_of(signed_bits b) { return max(b.lo, b.hi); }
+#else
+typedef signed_bits greatest;
+static inline greatest greatest_of(signed_bits b) { return b; }
+#endif
 
 // The sums of |f| and f^2 are in fp64 where the device has it.
 #if KOKSMA_COUNTERS_FP64
@@ -69,8 +103,8 @@ typedef wide folded;
 #endif
 
 typedef struct {
-  // The greatest of the bits of this sample's coordinates, less 1 (0 wraps round to the top), the sign bit flipped to
-  // compare as signed: those in (0,1) lie below all others.
+  // The greatest of the bits of this sample's coordinates (fp64: high halves), less 1 (0 wraps round to the top), the
+  // sign bit flipped to compare as signed: those in (0,1) lie below all others, but for some below 2^-1042.
   watch highest;
   __global const word *table;
   ulong index, n, seed;  // index: of the vector's step, a multiple of 16
@@ -78,11 +112,11 @@ typedef struct {
   points inner;
 } watched_points;
 
-static inline watch lowest(void) { return (watch)(KOKSMA_SIGNED)KOKSMA_SIGN_BIT; }
+static inline watch lowest(void) { return (watch)(int)KOKSMA_SIGN_32; }
 
-// Samples, or their folded lanes, with a coordinate that is not in (0,1).
+// Samples with a coordinate that is not in (0,1).
 static inline watch outside_watch(const watched_points *p) {
-  return p->highest > (watch)(KOKSMA_SIGNED)(KOKSMA_ONE_PATTERN - 2 + KOKSMA_SIGN_BIT);
+  return p->highest > (watch)(int)(KOKSMA_HIGH(KOKSMA_ONE_PATTERN) - 2 + KOKSMA_SIGN_32);
 }
 
 static inline void watched_seek(watched_points *p, __global const word *table, ulong first, ulong n, ulong seed,
@@ -99,7 +133,7 @@ static inline void watched_seek(watched_points *p, __global const word *table, u
 
 static inline real watched_next(watched_points *p) {
   const real x = points_next(&p->inner);
-  p->highest = max(p->highest, greatest_of(KOKSMA_AS_SIGNED(KOKSMA_AS_BITS(x) + (KOKSMA_SIGN_BIT - 1))));
+  p->highest = max(p->highest, KOKSMA_AS_WATCH(high_halves(KOKSMA_AS_BITS(x)) + (KOKSMA_SIGN_32 - 1)));
   return x;
 }
 
@@ -116,7 +150,7 @@ typedef struct {
   bits zero;  // samples f = +-0; all others are hits
   bits nan, plus_inf, minus_inf, denormal, blow_up;
   bits coordinate_le0, coordinate_ge1;
-  watch largest;  // the bits of the greatest |f| of finite samples
+  greatest largest;  // the bits of the greatest |f| of finite samples
   folded sum_abs, sum_squares;  // of f times the scale, finite samples
 } counters;
 
@@ -124,7 +158,7 @@ static inline void counters_init(counters *k) {
   const bits none = (bits)(word)0;
   k->zero = k->nan = k->plus_inf = k->minus_inf = k->denormal = k->blow_up = none;
   k->coordinate_le0 = k->coordinate_ge1 = none;
-  k->largest = (watch)(KOKSMA_SIGNED)0;
+  k->largest = (greatest)(KOKSMA_SIGNED)0;
   k->sum_abs = k->sum_squares = (folded)(wide_scalar)0;
 }
 
@@ -163,15 +197,16 @@ static inline real count_exceptional(counters *k, real y, bits size, word limit)
 // power of two that brings f to about 1, so that squares neither overflow nor underflow.
 static inline void count_samples(counters *k, real y, const watched_points *p, mask valid, word limit,
                                  wide_scalar scale) {
-  const bits size = KOKSMA_AS_BITS(y) & (bits)(KOKSMA_SIGN_BIT - 1);
-  const signed_bits above = KOKSMA_AS_SIGNED(size + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
-  const signed_bits most = (signed_bits)(KOKSMA_SIGNED)(limit + (KOKSMA_SIGN_BIT - KOKSMA_LEAST_NORMAL));
-  const mask odd = above > most;
+  // Zeros, denormals and what is above the limit; in fp64 also what has its high half.
+  const uint least = KOKSMA_SIGN_32 - KOKSMA_HIGH(KOKSMA_LEAST_NORMAL), end = KOKSMA_HIGH(limit) + !KOKSMA_FP64;
+  const words32 above = (high_halves(KOKSMA_AS_BITS(y)) & (KOKSMA_SIGN_32 - 1)) + least;
+  const watch odd = KOKSMA_AS_WATCH(above) >= (watch)(int)(end + least);
   const watch outside = outside_watch(p);
-  if (some_watch(either_of(odd) | outside)) {
+  if (some_watch(odd | outside)) {
+    const bits size = KOKSMA_AS_BITS(y) & (bits)(KOKSMA_SIGN_BIT - 1);
     const mask zero = size == (bits)(word)0;
     k->zero += ones_of(zero);
-    if (some_watch(either_of(odd & not_lanes(zero)) | outside)) {
+    if (some_watch((odd ^ (odd & watch_of(zero))) | outside)) {
       y = count_exceptional(k, y, size, limit);
       if (some_watch(outside)) count_coordinates(k, p, valid);
     }
@@ -196,9 +231,9 @@ static inline ulong sum_lanes(bits count) {
   return sum;
 }
 
-static inline ulong greatest_lane(watch w) {
-  const uint count = sizeof(watch) / sizeof(word);
-  KOKSMA_SIGNED lanes[sizeof(watch) / sizeof(word)], most = 0;
+static inline ulong greatest_lane(greatest w) {
+  const uint count = sizeof(greatest) / sizeof(word);
+  KOKSMA_SIGNED lanes[sizeof(greatest) / sizeof(word)], most = 0;
 #if KOKSMA_LANES_PER_ITEM == 16 && KOKSMA_FP64
   vstore8(w, 0, lanes);
 #else
