@@ -124,10 +124,10 @@ time.set_xlabel("N d, coordinates")
 time.set_ylabel("kernel time, s")
 memory.set_xlabel("N")
 memory.set_ylabel("largest resident memory, MiB")
-memory.set_ylim(bottom=0)
+memory.set_ylim(0, 1.25 * memory.get_ylim()[1])
 for axes in (time, memory):
     axes.grid(True, alpha=0.3)
-    axes.legend()
+    axes.legend(loc="upper left" if axes is time else "lower right")
 c = document["context"]
 figure.suptitle(f"linear-prod, {c['device']['name']}, {c['date']}", fontsize=10)
 figure.tight_layout()

@@ -179,7 +179,7 @@ def end_to_end(peers, entries, env, koksma, folder, problem, rounds):
     n, replicates = peers["end_to_end_size"]["n"], peers["end_to_end_size"]["replicates"]
     common = [koksma, "run", "--scene", problem.scene, "--sampler", "sobol-lms-shift", "--n", str(n), "--replicates",
               str(replicates), "--out", f"{folder}/end.json"]
-    # As it is run, timing the row by three launches and more, and what the peer does: every replicate once.
+    # As it is run, timing the row by several launches, and what the peer does: every replicate once.
     own = {f"koksma run{''.join(' ' + word for word in more)}, {precision}": [*common, "--precision", precision, *more]
            for more in ([], ["--launches", "1"]) for precision in ("fp64", "fp32")}
     headlines, failures = [], []

@@ -1,5 +1,5 @@
 // Bad input: the exit status, and a message that says where, what was found and what is allowed,
-// before any device work.
+// before anything is built.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -23,14 +23,15 @@ void check_refused(const std::string& arguments, int status, const std::vector<s
   CHECK(result.status == status);
   CHECK_THAT(result.output, Catch::StartsWith("koksma: "));
   for (const std::string& part : parts) CHECK_THAT(result.output, Contains(part));
-  // Told before any device work.
+  // Told before anything is built.
   CHECK_THAT(result.output, !Contains("building"));
 }
 
 }  // namespace
 
-TEST_CASE("bad studies and flags stop with status 2 before any device work, and say what is wrong",
-          "[device]") {
+TEST_CASE(
+    "bad studies and flags stop with status 2 before anything is built, and say what is wrong",
+    "[device]") {
   const test::TemporaryFolder folder;
   const std::string out = " --out " + folder.path("r.json");
   const std::string malformed = folder.write("malformed.json", "{\n  \"cells\": [}\n");
@@ -91,7 +92,7 @@ TEST_CASE("help and version are no errors", "[unit]") {
     CHECK(run_command(arguments).status == 0);
 }
 
-TEST_CASE("an output that cannot be written is told before any device work, device or not",
+TEST_CASE("an output that cannot be written is told before anything is built, device or not",
           "[device]") {
   const test::TemporaryFolder folder;
   const std::string none = folder.path("none/r.json");

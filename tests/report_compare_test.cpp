@@ -276,7 +276,17 @@ TEST_CASE(
   CHECK(compared(base, now, {.across_devices = true}).study.change == Change::worse);
   Json other = timed(2, 2);
   for (Json& cell : other["cells"]) cell["replicates"] = 7;
-  CHECK_THAT(compared(base, other).cells[0].rows[0].time.reason, Contains("7 replicates"));
+  CHECK_THAT(compared(base, other).cells[0].rows[0].time.reason, Contains("replicates: 7, were "));
+  // A few launches are not those of a usual run; an older file has the usual.
+  Json once = timed(2), usual = timed(3);
+  for (Json& cell : once["cells"]) cell["launches"] = 1;
+  for (Json& cell : usual["cells"]) cell["launches"] = nullptr;
+  for (const Json& file : {base, usual}) {
+    CHECK(compared(file, once).cells[0].rows[0].time.reason == "launches: 1, were as usual");
+    CHECK(compared(once, file).cells[0].rows[0].time.reason == "launches: as usual, were 1");
+  }
+  CHECK_THAT(compared(base, usual).cells[0].rows[0].time.reason, !Contains("launches:"));
+  CHECK_THAT(compared(once, once).cells[0].rows[0].time.reason, !Contains("launches:"));
   // Rows of several runs per launch are not timed against files that do not know of such.
   Json several = timed(2);
   several["cells"][0]["rows"][0]["runs_per_launch"] = 3;

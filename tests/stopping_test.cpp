@@ -220,7 +220,8 @@ TEST_CASE("launches are read from the block, else the study, and the flag replac
   }
 }
 
-TEST_CASE("rows are launched as often as --launches says, with the same estimates", "[device]") {
+TEST_CASE("rows are launched as often as --launches says, with the same estimates",
+          "[device][timing]") {
   const test::TemporaryFolder folder;
   const std::string flags = kCell + "--sampler sobol-owen --n 2^5..2^6 ";
   const Json usual = run_cell(folder, flags).results["cells"][0]["rows"];

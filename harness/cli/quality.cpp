@@ -67,7 +67,7 @@ std::vector<Scene> checked_scenes(const QualityOptions& options, const Catalog& 
   return scenes;
 }
 
-// Everything wrong with the request is told before any device work.
+// Everything wrong with the request is told before anything is built or run.
 struct CheckedRequest {
   Sampler sampler;
   QualityRequest request;

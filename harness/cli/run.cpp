@@ -212,7 +212,7 @@ void add_input_files(Json& context, const RunOptions& options, const Catalog& ca
     context["files"][path] = std::hash<std::string>{}(read_text_file(path));
 }
 
-// A wrong file stops before any device work.
+// A wrong file stops before anything is built or run.
 void check_directions(const RunOptions& options, const Catalog& catalog, const Study& study) {
   std::uint32_t most = 0;
   for (const Cell& cell : study.cells)
@@ -308,7 +308,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
       ->check(CLI::Range(1, 65536));
   verb->add_option("--launches", options->flags.launches,
                    "timed launches of a row, at most; 1 where its time matters less; default: what "
-                   "20 ms take, 3 to 16")
+                   "20 ms take, at least 3 unless they take 60 ms, at most 16")
       ->check(CLI::Range(1, 16));
   verb->add_option("--precision", options->flags.precision,
                    "fp32 or fp64; default: fp64 where the device has it")

@@ -36,7 +36,8 @@ class Device {
   // KOKSMA_KEPT=off; a tuning that is not usable is told on stderr.
   static Device choose(const std::string& selector);
   // The same beside what the caller does meanwhile, reading a catalog say: loading PoCL and its
-  // LLVM takes 35 ms. get() gives the device or choose()'s error; the destructor waits.
+  // LLVM takes 35 ms. get() gives the device or choose()'s error; the destructor waits, so that an
+  // error meanwhile is told that much later.
   static std::future<Device> choose_beside(const std::string& selector);
   // A CPU device with fp64 for exact values: this one if it is such, else the first found;
   // NoDeviceError otherwise.

@@ -220,6 +220,7 @@ Json cell_to_json(const Catalog& catalog, const CellResult& result, const Plan* 
   json["precision"] = precision ? Json(precision_name(*precision)) : Json(nullptr);
   json["sum"] = plan != nullptr ? plan->sum->name : result.cell.sum;
   json["replicates"] = result.cell.replicates;
+  json["launches"] = result.cell.launches ? Json(*result.cell.launches) : Json(nullptr);
   json["seed"] = result.cell.seed;
   json["status"] = status_name(result.status);
   json["reason"] = result.reason;

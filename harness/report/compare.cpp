@@ -184,11 +184,7 @@ class Comparer {
   }
 
   std::string no_times(const Json& base, const Json& now) const {
-    if (!times_wanted_) return "another device";
-    if (base["replicates"] != now["replicates"])
-      return fmt::format("{} replicates, were {}", now["replicates"].dump(),
-                         base["replicates"].dump());
-    return "";
+    return times_wanted_ ? why_not_timed(base, now) : "another device";
   }
 
   RowChange& row_of(const Pair& pair) { return result_.cells[pair.cell].rows[pair.row]; }

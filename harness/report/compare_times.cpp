@@ -1,5 +1,7 @@
 #include "report/compare_times.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -30,6 +32,15 @@ std::vector<double> running_medians(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+std::string why_not_timed(const Json& base_cell, const Json& new_cell) {
+  for (const char* key : {"replicates", "launches"}) {
+    const Json was = base_cell.value(key, Json()), is = new_cell.value(key, Json());
+    const auto text = [](const Json& count) { return count.is_null() ? "as usual" : count.dump(); };
+    if (was != is) return fmt::format("{}: {}, were {}", key, text(is), text(was));
+  }
+  return "";
+}
 
 Launches launches_of(const Json& row, bool calibrated) {
   Launches launches;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "report/compare.hpp"
@@ -17,6 +18,11 @@ struct Launches {
   std::vector<double> times, calibrations;
 };
 Launches launches_of(const Json& row, bool calibrated);
+
+// Why launches of these two cells are no times of the same: another number of replicates, or
+// another limit on launches (`koksma run --launches`; the usual in files that have none), as few of
+// them make one run each where the usual launches make several. Empty: they are.
+std::string why_not_timed(const Json& base_cell, const Json& new_cell);
 
 // What two runs' launches of a row are compared by: times as multiples of the calibrations.
 struct ComparedLaunches {

@@ -1,5 +1,5 @@
 // A study: the list of cells to run, from a JSON file, from flags, or both. Everything that can be
-// checked without a device or a table is checked here, before any device work.
+// checked without a device or a table is checked here, before anything is built or run.
 #pragma once
 
 #include <cstdint>
