@@ -226,7 +226,7 @@ TEST_CASE("rows are launched as often as --launches says, with the same estimate
   const std::string flags = kCell + "--sampler sobol-owen --n 2^5..2^6 ";
   const Json usual = run_cell(folder, flags).results["cells"][0]["rows"];
   for (const std::string more : {"", "--time-budget 1e-6 "})
-    for (const std::size_t count : {1, 2}) {
+    for (const std::size_t count : {std::size_t{1}, std::size_t{2}}) {
       const Json rows = run_cell(folder, flags + more + fmt::format("--launches {}", count))
                             .results["cells"][0]["rows"];
       INFO(more << count);
