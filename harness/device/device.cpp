@@ -1,6 +1,7 @@
 #include "device/device.hpp"
 
 #include <fmt/format.h>
+#include <signal.h>  // sigaltstack
 
 #include <algorithm>
 #include <cctype>
@@ -93,6 +94,19 @@ struct Candidate {
 // (measured). A setting of the user's stands.
 void pin_pocl_threads() { setenv("POCL_AFFINITY", "1", 0); }
 
+// LLVM, which PoCL loads, gives the thread that loads it a signal stack. A thread that ends gets
+// its own back, which AddressSanitizer takes down.
+class OwnSignalStack {
+ public:
+  OwnSignalStack() { sigaltstack(nullptr, &own_); }
+  ~OwnSignalStack() { sigaltstack(&own_, nullptr); }
+  OwnSignalStack(const OwnSignalStack&) = delete;
+  OwnSignalStack& operator=(const OwnSignalStack&) = delete;
+
+ private:
+  stack_t own_{};
+};
+
 std::vector<Candidate> candidates() {
   pin_pocl_threads();
   std::vector<Candidate> found;
@@ -169,7 +183,10 @@ Device Device::choose(const std::string& selector) {
 
 std::future<Device> Device::choose_beside(const std::string& selector) {
   pin_pocl_threads();  // here: the environment is not written while another thread reads it
-  return std::async(std::launch::async, [selector] { return choose(selector); });
+  return std::async(std::launch::async, [selector] {
+    const OwnSignalStack own;
+    return choose(selector);
+  });
 }
 
 Device Device::choose_exact(const Device& preferred) {
