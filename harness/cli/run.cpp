@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -28,11 +30,24 @@ struct RunOptions {
   bool resume = false, quiet = false;
 };
 
+using Clock = std::chrono::steady_clock;
+
+// From a pass over a cell's launches to the next, where others are left to be timed: disturbances
+// of a shared machine last for 1 to 3 s. What an interrupted run loses is kPasses of these.
+constexpr std::chrono::milliseconds kBetweenPasses{1500};
+
 // One cell on its way: taken from the journal, ready to run, or refused with a reason.
 struct Slot {
   Json identity;
   std::optional<Json> json;
   std::unique_ptr<PreparedCell> prepared;
+  bool begun = false;
+};
+
+// A cell that was begun and is to be gone on with.
+struct Turn {
+  std::size_t cell;
+  Clock::time_point due;
 };
 
 class Run {
@@ -54,11 +69,15 @@ class Run {
     Device exact_device = Device::choose_exact(device_);
     find_unknown_integrals(exact_device);
     for (const Cell& cell : study_.cells) slots_.push_back(prepare(cell, exact_device));
-    std::vector<Json> cells(slots_.size());
-    for (const auto& [scene, candidates] : unknown_) measure_reference(scene, candidates, cells);
-    for (std::size_t i = 0; i < slots_.size(); ++i)
-      if (cells[i].is_null()) cells[i] = finish(study_.cells[i], slots_[i]);
+    for (const auto& [scene, candidates] : unknown_) measure_reference(scene, candidates);
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      if (!slots_[i].begun) begin(i);
+      take_turns(false);
+    }
+    take_turns(true);
     progress_.clear();
+    std::vector<Json> cells;
+    for (Slot& slot : slots_) cells.push_back(std::move(*slot.json));
     return cells;
   }
 
@@ -100,11 +119,11 @@ class Run {
   }
 
   // Runs cells of a scene until one gives an estimate, which the others are then measured against.
-  void measure_reference(const std::string& scene, const std::vector<std::size_t>& candidates,
-                         std::vector<Json>& cells) {
+  void measure_reference(const std::string& scene, const std::vector<std::size_t>& candidates) {
     for (const std::size_t i : candidates) {
-      cells[i] = finish(study_.cells[i], slots_[i]);
-      if (const auto found = reference_from(cells[i])) {
+      begin(i);
+      take_turns(true);
+      if (const auto found = reference_from(*slots_[i].json)) {
         references_[scene] = *found;
         return;
       }
@@ -158,26 +177,60 @@ class Run {
     slot.json = cell_to_json(catalog_, refused_cell(cell, CellStatus::failed, reason), nullptr);
   }
 
-  Json finish(const Cell& cell, Slot& slot) {
-    if (slot.prepared != nullptr) {
-      progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
-      try {
-        // First the rows: a rule that goes beyond the study plans the cell again.
-        const CellResult result = slot.prepared->run(rows_, reference_of(cell));
-        slot.json = cell_to_json(catalog_, result, &slot.prepared->plan());
-      } catch (const std::exception& error) {
-        fail(slot, cell, error.what());
-      }
-      if ((*slot.json)["status"] == "ok") journal_.append(slot.identity, *slot.json);
+  // Work on a cell that is on its way. What it throws becomes the cell's row.
+  template <typename Work>
+  void attempt(std::size_t i, const Work& work) {
+    Slot& slot = slots_[i];
+    try {
+      work(*slot.prepared);
+    } catch (const std::exception& error) {
+      if (slot.json) throw;  // it is measured, but the journal can not be written
+      fail(slot, study_.cells[i], error.what());
       slot.prepared.reset();
     }
-    const Json& json = *slot.json;
-    const bool has_error = !json["rows"].empty() && json["rows"].back()["rmse"].is_number();
-    progress_.finished(fmt::format(
-        "{} with {}: {}", cell.scene.text, cell.sampler,
-        has_error ? fmt::format("RMSE {:.2e}", json["rows"].back()["rmse"].get<double>())
-                  : json["status"].get<std::string>()));
-    return json;
+  }
+
+  // Starts the cell and leaves it to be timed again, in turn with those that follow.
+  void begin(std::size_t i) {
+    Slot& slot = slots_[i];
+    slot.begun = true;
+    const std::string name =
+        fmt::format("{} with {}", study_.cells[i].scene.text, study_.cells[i].sampler);
+    std::string outcome = "ok";
+    if (slot.prepared != nullptr) {
+      progress_.stage(name);
+      attempt(i, [&](PreparedCell& prepared) {
+        prepared.start(reference_of(study_.cells[i]));
+        const auto& rmse = prepared.rows().back().errors.rmse;
+        if (rmse) outcome = fmt::format("RMSE {:.2e}", *rmse);
+        turns_.push_back({i, Clock::now() + kBetweenPasses});
+      });
+    }
+    if (slot.json) outcome = (*slot.json)["status"];
+    progress_.finished(fmt::format("{}: {}", name, outcome));
+  }
+
+  // Of cells whose turn has come, or `all` as if it had.
+  void take_turns(bool all) {
+    while (!turns_.empty() && (all || turns_.front().due <= Clock::now())) {
+      const std::size_t i = turns_.front().cell;
+      turns_.pop_front();
+      attempt(i, [&](PreparedCell& prepared) {
+        if (prepared.unfinished()) {
+          prepared.time_again();
+          turns_.push_back({i, Clock::now() + kBetweenPasses});
+        } else {
+          finish(slots_[i], prepared, study_.cells[i]);
+        }
+      });
+    }
+  }
+
+  void finish(Slot& slot, PreparedCell& prepared, const Cell& cell) {
+    const CellResult result = prepared.finish(rows_, reference_of(cell));
+    slot.json = cell_to_json(catalog_, result, &prepared.plan());
+    slot.prepared.reset();
+    journal_.append(slot.identity, *slot.json);
   }
 
   const RunOptions& options_;
@@ -188,6 +241,7 @@ class Run {
   EftSelfTest self_test_;
   Progress progress_;
   std::vector<Slot> slots_;
+  std::deque<Turn> turns_;                                   // the first to come first
   std::map<std::string, std::vector<std::size_t>> unknown_;  // by scene: cells
   std::map<std::string, Reference> references_;              // by scene
   std::size_t rows_ = 0;                                     // of all cells

@@ -184,21 +184,22 @@ void PreparedCell::choose_runs(Row& row, TimedLaunches& timed) {
 }
 
 void PreparedCell::time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds,
-                               TimedLaunches& timed) {
+                               double share, TimedLaunches& timed) {
   Sums sums;
   const PartialSums ignore = [](std::uint32_t, std::uint32_t, std::span<const double>) {};
   Together together(*integrator_, y0_, rows, timed);
-  std::vector<bool> chosen(rows.size(), false);
+  // How many runs a launch makes is chosen after the runs that are merged.
+  const double share_merged =
+      std::clamp(static_cast<double>(kMergedRuns) / static_cast<double>(most_rounds), share, 1.0);
   bool again = true;
   while (again) {
     again = false;
     for (std::size_t i = first; i < rows.size(); ++i) {
       const bool merged = timed.merged(rows[i].n) < kMergedRuns;
-      if (!merged && !chosen[i]) {
-        chosen[i] = true;
-        choose_runs(rows[i], timed);
-      }
-      if (enough_launches(together.count(i), together.spent(i), most_rounds)) continue;
+      if (!merged && runs_are_chosen_.insert(rows[i].n).second) choose_runs(rows[i], timed);
+      if (enough_launches(together.count(i), together.spent(i), most_rounds,
+                          merged ? share_merged : share))
+        continue;
       again = true;
       if (!merged && together.admits(i)) {
         together.add(i);
@@ -214,14 +215,15 @@ void PreparedCell::time_rounds(std::vector<Row>& rows, std::size_t first, std::s
     }
   }
   together.launch();
-  timed.finish(rows, first);
+  timed.pause();
 }
 
 Row PreparedCell::run_row(std::uint64_t n) {
   TimedLaunches timed(*calibration_);
   std::vector<Row> rows;
   rows.push_back(first_launch(n, timed));
-  time_rounds(rows, 0, kLaunchesAlone, timed);
+  time_rounds(rows, 0, kLaunchesAlone, 1, timed);
+  timed.finish(rows, 0);
   return std::move(rows.front());
 }
 
@@ -284,8 +286,8 @@ std::string PreparedCell::extend(std::uint64_t n) {
 
 // Every round launches each row once, so that a machine that slows down or speeds up does so for
 // all of them. Sets that are built per N have one table at a time, and a rule that stops by time
-// needs that of a row before it starts the next: their rows are timed one by one.
-Stopped PreparedCell::run_rows(const std::optional<Reference>& reference, std::vector<Row>& rows) {
+// needs that of a row before it starts the next: their rows are timed one by one, in one pass.
+Stopped PreparedCell::run_rows(const std::optional<Reference>& reference) {
   const Cell asked = plan_->cell;
   Cell unbounded = asked;
   unbounded.stop.beyond_n = std::uint64_t{1} << plan_->sampler->max_log2_n;
@@ -294,21 +296,24 @@ Stopped PreparedCell::run_rows(const std::optional<Reference>& reference, std::v
   facts.rule = asked.stop;
   facts.most_launches = most_launches(asked, kLaunchesAlone);
   const auto start = Clock::now();
-  TimedLaunches timed(*calibration_);
   const std::size_t most = most_launches(asked, asked.stop.any() ? kLaunchesAlone : kLaunchesOfRun);
   const bool one_by_one = !plan_->sampler->extensible || asked.stop.any();
+  if (one_by_one) pass_ = kPasses;
   const auto finished = [&](Stopped stopped) {
-    if (!one_by_one) time_rounds(rows, 0, most, timed);
+    if (!one_by_one) time_again();
     return stopped;
   };
   for (facts.n = asked.n.front();; facts.n = *facts.next) {
-    rows.push_back(first_launch(facts.n, timed));
-    if (one_by_one) time_rounds(rows, rows.size() - 1, most, timed);
-    launches.push_back({facts.n, rows.back().wall.median});
+    rows_.push_back(first_launch(facts.n, *timed_));
+    if (one_by_one) {
+      time_rounds(rows_, rows_.size() - 1, most, 1, *timed_);
+      timed_->finish(rows_, rows_.size() - 1);
+    }
+    launches.push_back({facts.n, rows_.back().wall.median});
     facts.launches = launches;
     facts.next = next_size(*plan_->sampler, asked, facts.n);
     facts.sampler_ends = !facts.next && !next_size(*plan_->sampler, unbounded, facts.n);
-    facts.reached = reached_error(rows.back(), exact_.mean, reference);
+    facts.reached = reached_error(rows_.back(), exact_.mean, reference);
     facts.spent = seconds_since(start);
     if (const auto stopped = why_stop(facts)) return finished(*stopped);
     if (*facts.next <= plan_->cell.n.back()) continue;
@@ -317,17 +322,38 @@ Stopped PreparedCell::run_rows(const std::optional<Reference>& reference, std::v
   }
 }
 
-CellResult PreparedCell::run(std::size_t rows_of_run, const std::optional<Reference>& reference) {
+void PreparedCell::start(const std::optional<Reference>& reference) {
+  timed_ = std::make_unique<TimedLaunches>(*calibration_);
+  stopped_ = run_rows(reference);
+}
+
+void PreparedCell::time_again() {
+  if (pass_ > 0) timed_->resume();
+  ++pass_;
+  time_rounds(rows_, 0, most_launches(plan_->cell, kLaunchesOfRun),
+              static_cast<double>(pass_) / kPasses, *timed_);
+}
+
+CellResult PreparedCell::finish(std::size_t rows_of_run,
+                                const std::optional<Reference>& reference) {
+  timed_->finish(rows_, 0);
   CellResult result;
   result.cell = plan_->cell;
   result.exact = exact_;
   result.build_s = build_s_;
-  result.stopped = run_rows(reference, result.rows);
+  result.stopped = *stopped_;
+  result.rows = std::move(rows_);
   result.setup_s = earlier_setup_s_ + integrator_->setup_s();
   result.table_bytes = integrator_->table_bytes();
   result.coefficient_bytes = integrator_->coefficient_bytes();
   assess_cell(context(), reference, rows_of_run, result);
   return result;
+}
+
+CellResult PreparedCell::run(std::size_t rows_of_run, const std::optional<Reference>& reference) {
+  start(reference);
+  while (unfinished()) time_again();
+  return finish(rows_of_run, reference);
 }
 
 }  // namespace koksma

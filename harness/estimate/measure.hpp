@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,9 @@
 #include "estimate/assess.hpp"
 #include "estimate/cell_result.hpp"
 #include "estimate/kurtosis.hpp"
+#include "estimate/timed_launches.hpp"
 
 namespace koksma {
-
-class TimedLaunches;
 
 // A cell with its program built and warmed up and its tables uploaded, so that nothing is built
 // while others are timed.
@@ -30,6 +30,15 @@ class PreparedCell {
   // against `reference`, or without one against the cell's own last estimate.
   CellResult run(std::size_t rows_of_run = 0,
                  const std::optional<Reference>& reference = std::nullopt);
+  // The same in steps, between which other cells may be timed: start, time_again while it is
+  // unfinished, finish; each with the same reference.
+  void start(const std::optional<Reference>& reference = std::nullopt);
+  bool unfinished() const { return pass_ < kPasses; }
+  void time_again();
+  CellResult finish(std::size_t rows_of_run = 0,
+                    const std::optional<Reference>& reference = std::nullopt);
+  // Once started: their estimates are final, their times and what assess_cell adds are not.
+  const std::vector<Row>& rows() const { return rows_; }
   // One row by itself, timed in a few launches beside the calibration kernel.
   Row run_row(std::uint64_t n);
 
@@ -44,17 +53,17 @@ class PreparedCell {
  private:
   struct Sums;
   class Together;
-  Stopped run_rows(const std::optional<Reference>& reference, std::vector<Row>& rows);
+  Stopped run_rows(const std::optional<Reference>& reference);
   // Tables to n, beyond the plan's sizes; else the reason why the sampler can not.
   std::string extend(std::uint64_t n);
   void start_integrator();
   double once(std::uint64_t n, Sums& sums);
   // The first launch of a row, and what it gives; its times go to timed.
   Row first_launch(std::uint64_t n, TimedLaunches& timed);
-  // Further rounds over these rows, one launch of each after the other, then their times. The first
-  // five runs of a row are waited for and merged one by one, as row.wall counts them.
-  // Those of rows short enough make several runs each from then on.
-  void time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds,
+  // Further rounds over these rows, one launch of each after the other, until they have this share
+  // of their launches. The first five runs of a row are waited for and merged one by one, as
+  // row.wall counts them. Those of rows short enough make several runs each from then on.
+  void time_rounds(std::vector<Row>& rows, std::size_t first, std::size_t most_rounds, double share,
                    TimedLaunches& timed);
   void choose_runs(Row& row, TimedLaunches& timed);
   void summarise(const Sums& sums, Row& row);
@@ -70,6 +79,12 @@ class PreparedCell {
   double earlier_setup_s_ = 0;  // of integrators with smaller tables
   double y0_ = 0;
   Kurtosis kurtosis_;  // of f, where a normal approximation over its values is used
+
+  std::vector<Row> rows_;
+  std::optional<Stopped> stopped_;           // once started
+  std::unique_ptr<TimedLaunches> timed_;     // the same
+  std::size_t pass_ = 0;                     // that were made, of kPasses
+  std::set<std::uint64_t> runs_are_chosen_;  // N of rows
 };
 
 }  // namespace koksma

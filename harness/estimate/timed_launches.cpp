@@ -26,9 +26,12 @@ TimeStatistics summarise_times(std::vector<double> times) {
           quantile_of(times, 0.75) - quantile_of(times, 0.25), times.size()};
 }
 
-bool enough_launches(std::size_t count, double spent, std::size_t most) {
-  return count >= most || spent >= kMostSeconds ||
-         (spent >= kRepeatSeconds && count >= kLeastLaunches);
+bool enough_launches(std::size_t count, double spent, std::size_t most, double share) {
+  const auto at_least = [&](std::size_t launches) {
+    return static_cast<double>(count) >= share * static_cast<double>(launches);
+  };
+  return at_least(most) || spent >= share * kMostSeconds ||
+         (spent >= share * kRepeatSeconds && at_least(kLeastLaunches));
 }
 
 std::uint32_t runs_of_launch(Integrator& integrator, std::uint64_t n, double y0, double run_s) {
@@ -91,8 +94,14 @@ void TimedLaunches::calibrate() {
   since_ = 0;
 }
 
-void TimedLaunches::finish(std::vector<Row>& rows, std::size_t first) {
+void TimedLaunches::resume() { before_ = calibration_.run(); }
+
+void TimedLaunches::pause() {
   if (!uncovered_.empty()) calibrate();
+}
+
+void TimedLaunches::finish(std::vector<Row>& rows, std::size_t first) {
+  pause();
   for (std::size_t i = first; i < rows.size(); ++i) {
     rows[i].kernel = summarise_times(rows[i].kernel_times);
     rows[i].wall = summarise_times(times_[rows[i].n].wall);

@@ -20,6 +20,10 @@ TimeStatistics summarise_times(std::vector<double> times);
 
 // Of launches, from one calibration to the next.
 inline constexpr double kSecondsBetweenCalibrations = 0.005;
+// A cell's launches are made in so many passes, where others' can be made between them: what
+// disturbs a shared machine for a second or two meets some of them then and not all
+// (results/README.md).
+inline constexpr std::size_t kPasses = 4;
 // At most so many launches of a row that is timed by itself.
 inline constexpr std::size_t kLaunchesAlone = 5;
 // So often a row is run, waited for and merged by itself: wall times are those of these runs.
@@ -32,8 +36,9 @@ inline constexpr std::size_t kMergedRuns = 5;
 std::uint32_t runs_of_launch(Integrator& integrator, std::uint64_t n, double y0, double run_s);
 
 // Whether a row that was launched `count` times in `spent` seconds has enough: 20 ms of launches
-// and at least three, as a median needs, unless those take 60 ms; never more than `most`.
-bool enough_launches(std::size_t count, double spent, std::size_t most);
+// and at least three, as a median needs, unless those take 60 ms; never more than `most`. Of all
+// that, `share` in (0, 1] is asked for.
+bool enough_launches(std::size_t count, double spent, std::size_t most, double share = 1);
 
 class TimedLaunches {
  public:
@@ -48,6 +53,10 @@ class TimedLaunches {
   void restart(Row& row);
   // Wall seconds of all launches of the row of this N.
   double spent(std::uint64_t n) const;
+  // Before launches that do not follow the last ones, and after those: nothing else lies between a
+  // launch and its calibrations.
+  void resume();
+  void pause();
   // After the last launch of rows[first], ...: their calibrations and time statistics.
   void finish(std::vector<Row>& rows, std::size_t first);
 
