@@ -1,43 +1,39 @@
-// calibrate: a fixed amount of arithmetic, whose time says how fast the device is just now. `koksma compare`
-// divides times by it. Like the integration kernels it steps integer states, makes coordinates of them and
-// multiplies and adds, and touches no memory. It is to feel a core that is shared with another thread as much as integration
-// kernels do. On AVX2 one chain does, of two halves: 1.4 times as long, where kernels of nets, lattices and Philox take 1.2
-// to 1.5 and four chains 1.6. On AVX-512 (a Xeon) one or two chains wait for their results, 1.1 where kernels take 1.8.
-// Changing it changes what results of different versions are divided by.
+// calibrate: a fixed amount of work, whose time says how fast the device is just now. `koksma compare` takes out of times
+// what follows it. It is to feel a core that is shared with another thread as integration kernels do, so it does what they
+// mostly do: steps the states of a net in Gray-code order, loads, makes coordinates and multiplies. Beside somebody else's
+// thread (Xeon, AVX-512) it takes up to 1.8 times as long and studies 0.85 times that in logarithms; a loop that waits for
+// its own results takes 1.1 times and says nothing of kernels (results/README.md).
+// Changing it changes what results of different versions are compared beside.
 //   out[item] = a value that needs all steps
+#define KOKSMA_CALIBRATION_DIM 8
 #ifdef __AVX512F__
-#define KOKSMA_CHAINS 4
-#define KOKSMA_STEPS 8000
+#define KOKSMA_CALIBRATION_STEPS 4500  // about 45 us of one core at 3 GHz with 16 lanes
 #else
-#define KOKSMA_CHAINS 1
-#define KOKSMA_STEPS 14000  // about 45 us of one core at 3 GHz with 16 lanes
+#define KOKSMA_CALIBRATION_STEPS 3000
 #endif
 
 __kernel __attribute__((reqd_work_group_size(KOKSMA_LOCAL_SIZE, 1, 1))) void calibrate(
     uint salt, __global scalar *restrict out) {
-  bits state[KOKSMA_CHAINS];
-  real sum[KOKSMA_CHAINS];
-  _Pragma("unroll")
-  for (uint k = 0; k < KOKSMA_CHAINS; ++k) {
-    state[k] = (bits)KOKSMA_LANE_NUMBERS + (word)(salt + 16 * (uint)get_global_id(0) + 77777 * k);
-    sum[k] = R(0.0);
-  }
-  for (uint i = 0; i < KOKSMA_STEPS; ++i) {
+  uint columns[16 * KOKSMA_CALIBRATION_DIM];  // any bits will do
+  for (uint k = 0; k < 16 * KOKSMA_CALIBRATION_DIM; ++k)
+    columns[k] = (salt + (uint)get_global_id(0) + k) * 2654435761U;
+  bits state[KOKSMA_CALIBRATION_DIM];
+  for (uint k = 0; k < KOKSMA_CALIBRATION_DIM; ++k)
+    state[k] = (bits)KOKSMA_LANE_NUMBERS * (word)134775813U + (word)(salt + k);
+  real sum = R(0.0);
+  for (uint i = 1; i <= KOKSMA_CALIBRATION_STEPS; ++i) {
+    const uint column = KOKSMA_CALIBRATION_DIM * popcount((i & -i) - 1);
+    real product = R(1.0);
     _Pragma("unroll")
-    for (uint k = 0; k < KOKSMA_CHAINS; ++k) {
-      // The generator of Numerical Recipes (2nd ed., section 7.1), of which any bits will do.
-      state[k] = state[k] * (word)1664525U + (word)1013904223U;
-      state[k] ^= state[k] >> (word)15;
-      const real x = unit_from_word(state[k]);
-      sum[k] = fma(sum[k], R(0.5), x * (R(1.0) - x));
+    for (uint k = 0; k < KOKSMA_CALIBRATION_DIM; ++k) {
+      state[k] ^= (word)columns[column + k];
+      product *= fma(unit_from_word(state[k]), R(0.5), R(0.75));
     }
+    sum += product;
   }
-  real total = sum[0];
-  _Pragma("unroll")
-  for (uint k = 1; k < KOKSMA_CHAINS; ++k) total += sum[k];
 #if KOKSMA_LANES_PER_ITEM == 1
-  out[get_global_id(0)] = total;
+  out[get_global_id(0)] = sum;
 #else
-  out[get_global_id(0)] = total.s0 + total.s1 + total.s2 + total.s3;
+  out[get_global_id(0)] = sum.s0 + sum.s1 + sum.s2 + sum.s3;
 #endif
 }

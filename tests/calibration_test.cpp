@@ -54,8 +54,70 @@ TEST_CASE("every timed launch has a calibration beside it, and long launches are
   }
 }
 
-TEST_CASE("a launch is set beside the shortest of the calibrations before and after it",
-          "[device]") {
+TEST_CASE("a launch is set beside the mean of the calibrations before and after it", "[unit]") {
+  CHECK(calibration_between(1e-4, 1.44e-4) == Approx(1.2e-4));
+  CHECK(calibration_between(1.44e-4, 1e-4) == Approx(1.2e-4));
+  // One of them met another process.
+  CHECK(calibration_between(1e-4, 2.1e-4) == 1e-4);
+  CHECK(calibration_between(4e-3, 1e-4) == 1e-4);
+}
+
+TEST_CASE("a share of a row's launches is a share of what is enough", "[unit]") {
+  // 16 launches, 20 ms of them and three, or 60 ms.
+  CHECK_FALSE(enough_launches(15, 1e-3, 16));
+  CHECK(enough_launches(16, 1e-3, 16));
+  CHECK_FALSE(enough_launches(2, 30e-3, 16));
+  CHECK(enough_launches(3, 21e-3, 16));
+  CHECK(enough_launches(1, 61e-3, 16));
+  CHECK_FALSE(enough_launches(3, 1e-3, 16, 0.25));
+  CHECK(enough_launches(4, 1e-3, 16, 0.25));
+  CHECK(enough_launches(1, 6e-3, 16, 0.25));
+  CHECK_FALSE(enough_launches(1, 11e-3, 16, 0.5));
+  CHECK(enough_launches(2, 11e-3, 16, 0.5));
+  CHECK(enough_launches(1, 31e-3, 16, 0.5));
+}
+
+TEST_CASE("a cell is timed in passes, each of them its share of the launches", "[device][timing]") {
+  Cell cell = test::cell("linear-prod:d=2", "sobol-owen", 256, 32);
+  cell.n = {256, 512, 1 << 16};
+  const auto prepare = [&] {
+    return PreparedCell(test::catalog(), test::device(), test::device(),
+                        make_plan(test::catalog(), cell, test::device().facts()));
+  };
+  PreparedCell in_steps = prepare();
+  in_steps.start();
+  std::vector<CellResult> after{in_steps.result()};
+  while (in_steps.unfinished()) {
+    in_steps.time_again();
+    after.push_back(in_steps.result());
+  }
+  REQUIRE(after.size() == kPasses);
+  for (std::size_t pass = 0; pass < kPasses; ++pass) {
+    REQUIRE(after[pass].rows.size() == 3);
+    for (std::size_t i = 0; i < 3; ++i) {
+      INFO("N = " << cell.n[i] << ", pass " << pass);
+      const Row& row = after[pass].rows[i];
+      CHECK(row.kernel.count == row.kernel_times.size());
+      CHECK(row.calibration.size() == row.kernel_times.size());
+      CHECK(row.kernel.count <= std::max<std::size_t>(kMergedRuns, 4 * (pass + 1)));  // of 16
+      CHECK(row.kernel.count >= (pass == 0 ? 1 : after[pass - 1].rows[i].kernel.count));
+      CHECK(row.estimates == after.front().rows[i].estimates);
+    }
+  }
+  // The shortest row has all its launches in the end, and had not before.
+  CHECK(after.back().rows.front().kernel.count == 16);
+  CHECK(after[kPasses - 2].rows.front().kernel.count < 16);
+  CHECK(prepare().run().rows.back().estimates == after.back().rows.back().estimates);
+
+  // A rule that stops by time needs each row's before it goes on: one pass.
+  cell.stop.time_budget = 0.05;
+  PreparedCell by_time = prepare();
+  by_time.start();
+  CHECK_FALSE(by_time.unfinished());
+  CHECK_FALSE(by_time.result().rows.empty());
+}
+
+TEST_CASE("launches lie between two calibrations", "[device]") {
   Calibration calibration(test::device());
   TimedLaunches timed(calibration);
   std::vector<Row> rows(2);
@@ -70,6 +132,7 @@ TEST_CASE("a launch is set beside the shortest of the calibrations before and af
   }
   CHECK(timed.merged(1) == 4);
   CHECK(timed.merged(2) == 2);
+  timed.pause();  // nothing is left to be calibrated
   timed.finish(rows, 0);
   // One calibration at first, then two after every pair of launches, for 12 ms of them.
   CHECK(calibration.launches() == 1 + 4 * 2);
@@ -79,4 +142,11 @@ TEST_CASE("a launch is set beside the shortest of the calibrations before and af
   CHECK(rows[1].wall.count == 2);
   CHECK(rows[1].kernel.count == 4);
   CHECK(timed.spent(2) == Approx(4 * 11e-3));
+
+  // After a pause one before the next launch.
+  timed.resume();
+  CHECK(calibration.launches() == 1 + 4 * 2 + 1);
+  timed.add(rows[0], 1e-3, 1e-3);
+  timed.pause();
+  CHECK(calibration.launches() == 1 + 4 * 2 + 2);
 }

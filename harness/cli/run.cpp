@@ -33,7 +33,7 @@ struct RunOptions {
 using Clock = std::chrono::steady_clock;
 
 // From a pass over a cell's launches to the next, where others are left to be timed: disturbances
-// of a shared machine last for 1 to 3 s. What an interrupted run loses is kPasses of these.
+// of a shared machine last for 1 to 3 s.
 constexpr std::chrono::milliseconds kBetweenPasses{1500};
 
 // One cell on its way: taken from the journal, ready to run, or refused with a reason.
@@ -181,33 +181,45 @@ class Run {
   template <typename Work>
   void attempt(std::size_t i, const Work& work) {
     Slot& slot = slots_[i];
+    if (slot.prepared == nullptr) return;
     try {
       work(*slot.prepared);
     } catch (const std::exception& error) {
-      if (slot.json) throw;  // it is measured, but the journal can not be written
       fail(slot, study_.cells[i], error.what());
       slot.prepared.reset();
     }
   }
 
-  // Starts the cell and leaves it to be timed again, in turn with those that follow.
+  // Starts the cell and leaves it to be timed again, in turn with those that follow. They may take
+  // hours: what is known of it is kept.
   void begin(std::size_t i) {
     Slot& slot = slots_[i];
+    const Cell& cell = study_.cells[i];
     slot.begun = true;
-    const std::string name =
-        fmt::format("{} with {}", study_.cells[i].scene.text, study_.cells[i].sampler);
-    std::string outcome = "ok";
-    if (slot.prepared != nullptr) {
-      progress_.stage(name);
-      attempt(i, [&](PreparedCell& prepared) {
-        prepared.start(reference_of(study_.cells[i]));
-        const auto& rmse = prepared.rows().back().errors.rmse;
-        if (rmse) outcome = fmt::format("RMSE {:.2e}", *rmse);
-        turns_.push_back({i, Clock::now() + kBetweenPasses});
-      });
-    }
-    if (slot.json) outcome = (*slot.json)["status"];
-    progress_.finished(fmt::format("{}: {}", name, outcome));
+    if (slot.prepared != nullptr)
+      progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
+    attempt(i, [&](PreparedCell& prepared) { prepared.start(reference_of(cell)); });
+    record(i);
+    progress_.finished(
+        fmt::format("{} with {}: {}", cell.scene.text, cell.sampler, outcome_text(*slot.json)));
+    go_on_with(i);
+  }
+
+  void record(std::size_t i) {
+    Slot& slot = slots_[i];
+    attempt(i, [&](PreparedCell& prepared) {
+      const CellResult result = prepared.result(rows_, reference_of(study_.cells[i]));
+      slot.json = cell_to_json(catalog_, result, &prepared.plan());
+    });
+    if (slot.prepared != nullptr) journal_.append(slot.identity, *slot.json);
+  }
+
+  void go_on_with(std::size_t i) {
+    auto& prepared = slots_[i].prepared;
+    if (prepared != nullptr && prepared->unfinished())
+      turns_.push_back({i, Clock::now() + kBetweenPasses});
+    else
+      prepared.reset();
   }
 
   // Of cells whose turn has come, or `all` as if it had.
@@ -215,22 +227,10 @@ class Run {
     while (!turns_.empty() && (all || turns_.front().due <= Clock::now())) {
       const std::size_t i = turns_.front().cell;
       turns_.pop_front();
-      attempt(i, [&](PreparedCell& prepared) {
-        if (prepared.unfinished()) {
-          prepared.time_again();
-          turns_.push_back({i, Clock::now() + kBetweenPasses});
-        } else {
-          finish(slots_[i], prepared, study_.cells[i]);
-        }
-      });
+      attempt(i, [](PreparedCell& prepared) { prepared.time_again(); });
+      if (slots_[i].prepared != nullptr && !slots_[i].prepared->unfinished()) record(i);
+      go_on_with(i);
     }
-  }
-
-  void finish(Slot& slot, PreparedCell& prepared, const Cell& cell) {
-    const CellResult result = prepared.finish(rows_, reference_of(cell));
-    slot.json = cell_to_json(catalog_, result, &prepared.plan());
-    slot.prepared.reset();
-    journal_.append(slot.identity, *slot.json);
   }
 
   const RunOptions& options_;

@@ -49,9 +49,8 @@ struct Row {
   TimeStatistics kernel, wall;
   std::uint32_t runs_per_launch = 1;
   double merged_kernel_s = 0;  // median of the kernel's part of `wall`
-  // Seconds of a run in every timed launch in order, and of the calibration kernel beside it (the
-  // shortest of the nearest launches before and after); the latter is empty where nothing was
-  // calibrated.
+  // Seconds of a run in every timed launch in order, and of the calibration kernel beside it
+  // (estimate/timed_launches.hpp); the latter is empty where nothing was calibrated.
   std::vector<double> kernel_times, calibration;
 };
 

@@ -334,15 +334,15 @@ void PreparedCell::time_again() {
               static_cast<double>(pass_) / kPasses, *timed_);
 }
 
-CellResult PreparedCell::finish(std::size_t rows_of_run,
-                                const std::optional<Reference>& reference) {
-  timed_->finish(rows_, 0);
+CellResult PreparedCell::result(std::size_t rows_of_run,
+                                const std::optional<Reference>& reference) const {
   CellResult result;
   result.cell = plan_->cell;
   result.exact = exact_;
   result.build_s = build_s_;
   result.stopped = *stopped_;
-  result.rows = std::move(rows_);
+  result.rows = rows_;
+  timed_->finish(result.rows, 0);
   result.setup_s = earlier_setup_s_ + integrator_->setup_s();
   result.table_bytes = integrator_->table_bytes();
   result.coefficient_bytes = integrator_->coefficient_bytes();
@@ -353,7 +353,7 @@ CellResult PreparedCell::finish(std::size_t rows_of_run,
 CellResult PreparedCell::run(std::size_t rows_of_run, const std::optional<Reference>& reference) {
   start(reference);
   while (unfinished()) time_again();
-  return finish(rows_of_run, reference);
+  return result(rows_of_run, reference);
 }
 
 }  // namespace koksma

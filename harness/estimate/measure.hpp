@@ -30,15 +30,14 @@ class PreparedCell {
   // against `reference`, or without one against the cell's own last estimate.
   CellResult run(std::size_t rows_of_run = 0,
                  const std::optional<Reference>& reference = std::nullopt);
-  // The same in steps, between which other cells may be timed: start, time_again while it is
-  // unfinished, finish; each with the same reference.
+  // The same in steps, between which other cells may be timed: start, then time_again while it is
+  // unfinished, each with the same reference.
   void start(const std::optional<Reference>& reference = std::nullopt);
   bool unfinished() const { return pass_ < kPasses; }
   void time_again();
-  CellResult finish(std::size_t rows_of_run = 0,
-                    const std::optional<Reference>& reference = std::nullopt);
-  // Once started: their estimates are final, their times and what assess_cell adds are not.
-  const std::vector<Row>& rows() const { return rows_; }
+  // Once started, of the launches so far. Estimates and errors are final.
+  CellResult result(std::size_t rows_of_run = 0,
+                    const std::optional<Reference>& reference = std::nullopt) const;
   // One row by itself, timed in a few launches beside the calibration kernel.
   Row run_row(std::uint64_t n);
 

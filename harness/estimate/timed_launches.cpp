@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t kMostAtOnce = 5;
 constexpr double kRepeatSeconds = 0.020, kMostSeconds = 0.060;
 constexpr std::size_t kLeastLaunches = 3;
+constexpr double kSpeeds = 2;       // more than from any speed of a shared core to another
 constexpr std::size_t kTrials = 3;  // of a launch of several runs
 
 std::uint32_t runs_that_last(double run_s, std::uint32_t room) {
@@ -19,6 +20,11 @@ std::uint32_t runs_that_last(double run_s, std::uint32_t room) {
 }
 
 }  // namespace
+
+double calibration_between(double before, double after) {
+  const double shorter = std::min(before, after), longer = std::max(before, after);
+  return longer > kSpeeds * shorter ? shorter : std::sqrt(before * after);
+}
 
 TimeStatistics summarise_times(std::vector<double> times) {
   std::sort(times.begin(), times.end());
@@ -84,11 +90,12 @@ double TimedLaunches::spent(std::uint64_t n) const {
 void TimedLaunches::calibrate() {
   const auto count = static_cast<std::size_t>(
       std::clamp(since_ / kSecondsBetweenCalibrations, 1.0, static_cast<double>(kMostAtOnce)));
-  // The least: a launch that meets another process tells of that, not of the device's speed.
-  double after = calibration_.run();
-  for (std::size_t k = 1; k < count; ++k) after = std::min(after, calibration_.run());
+  std::vector<double> launches;
+  for (std::size_t k = 0; k < count; ++k) launches.push_back(calibration_.run());
+  std::sort(launches.begin(), launches.end());
+  const double after = quantile_of(launches, 0.5);
   for (const std::uint64_t n : uncovered_)
-    times_[n].calibration.push_back(std::min(before_, after));
+    times_[n].calibration.push_back(calibration_between(before_, after));
   uncovered_.clear();
   before_ = after;
   since_ = 0;
@@ -100,13 +107,13 @@ void TimedLaunches::pause() {
   if (!uncovered_.empty()) calibrate();
 }
 
-void TimedLaunches::finish(std::vector<Row>& rows, std::size_t first) {
-  pause();
+void TimedLaunches::finish(std::vector<Row>& rows, std::size_t first) const {
   for (std::size_t i = first; i < rows.size(); ++i) {
+    const Times& times = times_.at(rows[i].n);
     rows[i].kernel = summarise_times(rows[i].kernel_times);
-    rows[i].wall = summarise_times(times_[rows[i].n].wall);
-    rows[i].merged_kernel_s = summarise_times(times_[rows[i].n].merged_kernel).median;
-    rows[i].calibration = times_[rows[i].n].calibration;
+    rows[i].wall = summarise_times(times.wall);
+    rows[i].merged_kernel_s = summarise_times(times.merged_kernel).median;
+    rows[i].calibration = times.calibration;
   }
 }
 

@@ -1,7 +1,8 @@
 // Times of the launches of rows, with launches of the calibration kernel between them. Every timed
 // launch has one before and one after it, at most 10 ms of launches away; long launches have
-// several. The shortest counts: one that meets another process tells of that and not of the device.
-// So calibrating costs about a twentieth of the time.
+// several, whose median counts. Their geometric mean is the calibration beside a launch, or the
+// shorter one where they are further apart than any two speeds of the device: the other met another
+// process. So calibrating costs about a twentieth of the time.
 #pragma once
 
 #include <cstddef>
@@ -17,6 +18,9 @@ namespace koksma {
 
 // Median, minimum and interquartile range of at least one time.
 TimeStatistics summarise_times(std::vector<double> times);
+
+// The calibration beside launches, of those before and after them.
+double calibration_between(double before, double after);
 
 // Of launches, from one calibration to the next.
 inline constexpr double kSecondsBetweenCalibrations = 0.005;
@@ -57,8 +61,8 @@ class TimedLaunches {
   // launch and its calibrations.
   void resume();
   void pause();
-  // After the last launch of rows[first], ...: their calibrations and time statistics.
-  void finish(std::vector<Row>& rows, std::size_t first);
+  // Calibrations and time statistics of rows[first], ... and their launches so far; paused.
+  void finish(std::vector<Row>& rows, std::size_t first) const;
 
  private:
   struct Times {

@@ -17,14 +17,10 @@ namespace {
 
 // The standard error of a median of n normal variables is sqrt(pi / 2) sd / sqrt(n).
 constexpr double kOfMedian = 1.2533141373155;
-constexpr const char* kOtherSpeed = "not timed at equal speed";
 // So few cells tell their own spread badly: a Student variable of 4 degrees of freedom exceeds 4.4
 // as often as a normal one 2.6.
 constexpr std::size_t kLeastCells = 40;
 constexpr std::size_t kLevels = 3;  // rows, cells, the study: alpha is shared by them
-
-// Whether the rows that both runs have at equal speed tell of all rows.
-bool enough_at_equal_speed(std::size_t equal, std::size_t all) { return 3 * equal >= all; }
 
 std::string key_of(const Json& cell, const Json& precision) {
   std::string key;
@@ -134,7 +130,7 @@ class Comparer {
     double floor;
     std::string no_times;  // why
     Launches base_launches, new_launches;
-    ComparedLaunches compared;
+    Stratum compared;
   };
   using Pairs = std::vector<Pair*>;
 
@@ -197,18 +193,8 @@ class Comparer {
 
   static std::vector<Stratum> strata_of(const Pairs& rows) {
     std::vector<Stratum> strata;
-    for (const Pair* pair : rows) strata.push_back(pair->compared.times);
+    for (const Pair* pair : rows) strata.push_back(pair->compared);
     return strata;
-  }
-
-  // Of several rows those that both runs have at equal speed, where these are enough and it is
-  // unknown how the others follow the calibration.
-  Pairs telling(const Pairs& rows) const {
-    if (followed_) return rows;
-    Pairs equal;
-    for (Pair* pair : rows)
-      if (pair->compared.equal_speed) equal.push_back(pair);
-    return enough_at_equal_speed(equal.size(), rows.size()) ? equal : rows;
   }
 
   void judge_errors() {
@@ -244,7 +230,6 @@ class Comparer {
       row_of(pair).time.reason = "one run per launch on one side, several on the other";
       return;
     }
-    pair.compared = at_equal_speed(pair.base_launches, pair.new_launches);
     ++result_.rows_timed;
     uncalibrated_ += calibrated ? 0 : 1;
     if (calibrated)
@@ -269,67 +254,49 @@ class Comparer {
       cells[pair.cell].push_back(&pair);
       all.push_back(&pair);
     }
+    if (!calibration_.empty()) result_.calibration_ratio = combined_change(calibration_).ratio;
     judge_rows(all);
-    const Pairs decisive = telling(all);
     std::vector<double> cell_ratios;
     for (const auto& [place, rows] : cells) {
       TimeChange& time = result_.cells[place].time;
-      const auto told = telling(rows);
-      time = combined_change(strata_of(told));
-      if (std::any_of(told.begin(), told.end(),
-                      [](const Pair* pair) { return !pair->compared.equal_speed; }))
-        time.reason = kOtherSpeed;
+      time = combined_change(strata_of(rows));
       cell_ratios.push_back(time.ratio);
     }
     result_.cells_timed = cells.size();
-    result_.study = combined_change(strata_of(decisive));
+    result_.study = combined_change(strata_of(all));
     // Cells too few to tell vary no more than their rows; the median over all takes rows for
     // independent then.
     const bool few = cells.size() < kLeastCells;
     result_.cell_spread = few ? result_.row_spread : spread_of(cell_ratios);
     result_.study_spread = kOfMedian * result_.cell_spread /
-                           std::sqrt(static_cast<double>(few ? decisive.size() : cells.size()));
-    if (!calibration_.empty()) result_.calibration_ratio = combined_change(calibration_).ratio;
+                           std::sqrt(static_cast<double>(few ? all.size() : cells.size()));
     decide_times();
   }
 
   // Rows, and how far their ratios lie apart.
   void judge_rows(const Pairs& rows) {
+    std::vector<Launches> runs;
     std::vector<RowShift> shifts;
-    for (const Pair* pair : rows)
+    for (const Pair* pair : rows) {
+      runs.push_back(pair->base_launches);
+      runs.push_back(pair->new_launches);
       shifts.push_back(shift_of(pair->base_launches, pair->new_launches));
-    followed_ = share_followed(shifts);
-    Pairs others;  // not timed at equal speed
+    }
+    const std::optional<double> within = share_within(runs), between = share_between(shifts);
     for (Pair* pair : rows) {
-      if (!pair->compared.equal_speed) others.push_back(pair);
-      if (!pair->compared.equal_speed && followed_)
-        pair->compared.times = less_followed(pair->base_launches, pair->new_launches, *followed_);
-      row_of(*pair).time = time_change(pair->compared.times);
+      const Launches &base = pair->base_launches, &now = pair->new_launches;
+      pair->compared =
+          within ? less_followed(base, now, *within) : followed_by_speed(base, now, between);
+      row_of(*pair).time = time_change(pair->compared);
     }
-    result_.rows_at_equal_speed = rows.size() - others.size();
-    const std::vector<double> ratios = ratios_of(telling(rows));
-    rows_decisive_ = ratios.size();
-    result_.row_spread = spread_of(ratios);
-    for (Pair* pair : others) {
-      if (!followed_) {
-        pair->compared.times = nearest_to_unchanged(pair->base_launches, pair->new_launches);
-        row_of(*pair).time = time_change(pair->compared.times);
-      }
-      row_of(*pair).time.reason = kOtherSpeed;
-    }
-    if (!enough_at_equal_speed(result_.rows_at_equal_speed, rows.size())) note_other_speeds();
-  }
-
-  void note_other_speeds() {
-    result_.notes.push_back(fmt::format(
-        "the device was seldom as fast in one run as in the other ({} of {} rows): {}",
-        result_.rows_at_equal_speed, result_.rows_timed,
-        followed_
-            ? fmt::format("rows follow the calibration's change, in logarithms, by {:.2f} of it, "
-                          "which is taken out",
-                          *followed_)
-            : "of a change as it is and as a multiple of the calibration the smaller counts; run "
-              "both again to know more"));
+    result_.row_spread = spread_of(ratios_of(rows));
+    result_.calibration_followed = within ? within : between;
+    const double speeds = result_.calibration_ratio;
+    if (!result_.calibration_followed && std::max(speeds, 1 / speeds) > kSpeedsApart)
+      result_.notes.push_back(
+          "the device was as fast throughout each run, but not in both: of a change as it is and "
+          "as "
+          "a multiple of the calibration the smaller counts; run both again to know more");
   }
 
   // A third of alpha to each level, there divided by the number of tests.
@@ -338,10 +305,11 @@ class Comparer {
     const auto rows = static_cast<double>(result_.rows_timed),
                cells = static_cast<double>(result_.cells_timed);
     const std::size_t ratios =
-        result_.cells_timed < kLeastCells ? rows_decisive_ : result_.cells_timed;
+        result_.cells_timed < kLeastCells ? result_.rows_timed : result_.cells_timed;
     for (CellChange& cell : result_.cells) {
       for (RowChange& row : cell.rows)
-        decide(row.time, threshold, share / rows, result_.row_spread, single_dof(rows_decisive_));
+        decide(row.time, threshold, share / rows, result_.row_spread,
+               single_dof(result_.rows_timed));
       decide(cell.time, threshold, share / cells, result_.cell_spread, single_dof(ratios));
     }
     decide(result_.study, threshold, share, result_.study_spread, spread_dof(ratios));
@@ -349,8 +317,6 @@ class Comparer {
 
   Comparison result_;
   bool times_wanted_ = true;
-  std::optional<double> followed_;  // by rows, of the calibration's change
-  std::size_t rows_decisive_ = 0;   // those at equal speed, or all that are timed
   std::size_t uncalibrated_ = 0;
   std::vector<Pair> pairs_;
   std::vector<Stratum> calibration_;

@@ -1,10 +1,9 @@
 // What changed between two results files, beyond noise. Cells are paired by integrand, dimension,
 // parameters, choices, sampler, estimator, precision and sum, rows by N.
 //
-// Times: every launch counts as a multiple of the calibration kernel beside it
-// (kernels/calibrate.cl), so that a slow hour of a shared machine cancels. Launches count that
-// were made while the device was about as fast in both runs; of rows that have none, what they do
-// not follow of the calibration's change (report/compare_times.hpp). Samples are compared by
+// Times: every launch counts beside the calibration kernel (kernels/calibrate.cl), so that a slow
+// hour of a shared machine cancels: of the logarithm of its time what does not follow that of the
+// calibration's (report/compare_times.hpp). Samples are compared by
 // ranks (report/rank_test.hpp), the change is the Hodges-Lehmann estimate of the ratio. A row is
 // slower where that is above the threshold and its Mann-Whitney test rejects; a cell, by the median
 // ratio of its rows and van Elteren's test over them; the study, in the same way over all its rows.
@@ -83,7 +82,9 @@ struct Comparison {
   double row_spread = 0, cell_spread = 0, study_spread = 0;
   double calibration_ratio = 0;  // of the calibration kernel itself, new / base; 0 unknown
   std::size_t rows_timed = 0, cells_timed = 0, rows_with_errors = 0;
-  std::size_t rows_at_equal_speed = 0;  // of rows_timed
+  // The share of the calibration's change, in logarithms, that rows follow and that is taken out of
+  // theirs; none: unknown.
+  std::optional<double> calibration_followed;
 
   bool regression() const;
 };

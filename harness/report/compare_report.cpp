@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 
+#include "journal/cell_json.hpp"
 #include "report/text_table.hpp"
 
 namespace koksma {
@@ -119,17 +120,21 @@ std::string verdict(const Comparison& c) {
   return text;
 }
 
+std::string calibration_text(const Comparison& c) {
+  if (!(c.calibration_ratio > 0)) return "";
+  return fmt::format("; the calibration kernel itself: {:.2f}, followed by {}", c.calibration_ratio,
+                     c.calibration_followed ? fmt::format("{:.2f} of it", *c.calibration_followed)
+                                            : "an unknown part of it");
+}
+
 std::string summary(const Comparison& c) {
   std::string text;
   if (c.rows_timed > 0)
     text += fmt::format(
-        "times new/base of {} rows, {} of them timed at equal speed, in {} cells: median {} (p {}; "
-        "spread of rows {:.0f} %, of cells {:.0f} %{})\n",
-        c.rows_timed, c.rows_at_equal_speed, c.cells_timed, time_text(c.study), p_text(c.study),
-        100 * c.row_spread, 100 * c.cell_spread,
-        c.calibration_ratio > 0
-            ? fmt::format("; the calibration kernel itself: {:.2f}", c.calibration_ratio)
-            : "");
+        "times new/base of {} rows in {} cells: median {} (p {}; spread of rows {:.0f} %, of cells "
+        "{:.0f} %{})\n",
+        c.rows_timed, c.cells_timed, time_text(c.study), p_text(c.study), 100 * c.row_spread,
+        100 * c.cell_spread, calibration_text(c));
   else
     text += fmt::format("times: not compared, {}\n", c.study.reason);
   return text + fmt::format("errors of {} rows\n", c.rows_with_errors);
@@ -230,7 +235,7 @@ Json compare_json(const Comparison& comparison) {
       {"notes", comparison.notes},
       {"rows_timed", comparison.rows_timed},
       {"cells_timed", comparison.cells_timed},
-      {"rows_at_equal_speed", comparison.rows_at_equal_speed},
+      {"calibration_followed", number_or_null(comparison.calibration_followed)},
       {"rows_with_errors", comparison.rows_with_errors},
       {"row_spread", comparison.row_spread},
       {"cell_spread", comparison.cell_spread},

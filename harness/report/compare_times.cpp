@@ -19,17 +19,45 @@ double median(std::vector<double> values) {
   return quantile_of(values, 0.5);
 }
 
-// Medians of five neighbours, of fewer at the ends.
-std::vector<double> running_medians(const std::vector<double>& values) {
-  constexpr std::size_t kReach = 2;
-  std::vector<double> medians;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::size_t first = i - std::min(i, kReach),
-                      end = std::min(i + kReach + 1, values.size());
-    medians.push_back(median({values.data() + first, values.data() + end}));
-  }
-  return medians;
+// Slopes are taken over at most so many rows, evenly chosen: their number goes as the square.
+constexpr std::size_t kMostRows = 2048;
+
+template <typename T>
+std::vector<T> thinned(const std::vector<T>& rows) {
+  const std::size_t step = (rows.size() + kMostRows - 1) / kMostRows;
+  std::vector<T> some;
+  for (std::size_t i = 0; i < rows.size(); i += step) some.push_back(rows[i]);
+  return some;
 }
+
+// Standard deviation of what a calibration differs from the one before it, without outliers.
+double neighbours_apart(const std::vector<Launches>& rows) {
+  std::vector<double> apart;
+  for (const Launches& row : rows)
+    for (std::size_t i = 1; i < row.calibrations.size(); ++i) {
+      const double d = std::fabs(row.calibrations[i] - row.calibrations[i - 1]);
+      if (d > 0) apart.push_back(d);  // else they share one
+    }
+  constexpr double kOfNormal = 1.4826;  // standard deviation over the median deviation
+  return apart.empty() ? 0 : kOfNormal * median(std::move(apart));
+}
+
+// Slopes of y over x between all pairs whose x lie further apart than `least`.
+struct Slopes {
+  std::vector<double> slopes;
+  std::size_t pairs = 0;  // all
+
+  void add(double x_apart, double y_apart, double least) {
+    ++pairs;
+    if (std::fabs(x_apart) > least) slopes.push_back(y_apart / x_apart);
+  }
+  std::optional<double> share(double least_pairs) && {
+    if (slopes.empty() ||
+        static_cast<double>(slopes.size()) < least_pairs * static_cast<double>(pairs))
+      return {};
+    return std::max(median(std::move(slopes)), 0.0);
+  }
+};
 
 }  // namespace
 
@@ -62,18 +90,26 @@ RowShift shift_of(const Launches& base, const Launches& now) {
           shift_estimate(base.calibrations, now.calibrations)};
 }
 
-std::optional<double> share_followed(const std::vector<RowShift>& rows) {
-  const double least = std::log(kEqualSpeed);
-  std::vector<double> slopes;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      const double apart = rows[i].calibration - rows[j].calibration;
-      if (std::fabs(apart) > least) slopes.push_back((rows[i].time - rows[j].time) / apart);
-    }
-  const std::size_t pairs = rows.size() * (rows.size() - 1) / 2;
-  if (slopes.empty() || 10 * slopes.size() < pairs) return {};
-  const double slope = median(std::move(slopes));
-  return std::fabs(slope - 1) < kFollowsFully ? 1 : std::max(slope, 0.0);
+std::optional<double> share_within(const std::vector<Launches>& rows) {
+  const std::vector<Launches> some = thinned(rows);
+  const double least = std::max(std::log(kSpeedsDiffer), 4 * neighbours_apart(some));
+  Slopes slopes;
+  for (const Launches& row : some)
+    for (std::size_t i = 0; i < row.times.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        slopes.add(row.calibrations[i] - row.calibrations[j], row.times[i] - row.times[j], least);
+  return std::move(slopes).share(kLeastPairs);
+}
+
+std::optional<double> share_between(const std::vector<RowShift>& rows) {
+  const std::vector<RowShift> some = thinned(rows);
+  Slopes slopes;
+  for (std::size_t i = 0; i < some.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      slopes.add(some[i].calibration - some[j].calibration, some[i].time - some[j].time,
+                 std::log(kSpeedsApart));
+  const auto share = std::move(slopes).share(0.1);
+  return share && std::fabs(*share - 1) < kFollowsFully ? 1 : share;
 }
 
 Stratum less_followed(const Launches& base, const Launches& now, double followed) {
@@ -85,8 +121,11 @@ Stratum less_followed(const Launches& base, const Launches& now, double followed
   return {left(base), left(now)};
 }
 
-Stratum nearest_to_unchanged(const Launches& base, const Launches& now) {
+Stratum followed_by_speed(const Launches& base, const Launches& now,
+                          const std::optional<double>& between) {
   const RowShift shift = shift_of(base, now);
+  if (std::fabs(shift.calibration) < std::log(kSpeedsApart)) return less_followed(base, now, 1);
+  if (between) return less_followed(base, now, *between);
   const double multiple = shift.time - shift.calibration;
   double nearest = 0;
   if (shift.time * multiple > 0)
@@ -94,36 +133,6 @@ Stratum nearest_to_unchanged(const Launches& base, const Launches& now) {
   Stratum moved{base.times, now.times};
   for (double& time : moved.b) time += nearest - shift.time;
   return moved;
-}
-
-ComparedLaunches at_equal_speed(const Launches& base, const Launches& now) {
-  const std::vector<double> base_speeds = running_medians(base.calibrations),
-                            new_speeds = running_medians(now.calibrations);
-  const double width = std::log(kEqualSpeed);
-  std::vector<double> ends = base_speeds;  // that an interval may have
-  ends.insert(ends.end(), new_speeds.begin(), new_speeds.end());
-  std::pair<std::size_t, std::size_t> most{0, 0};  // of the run that has fewer, of both
-  double from = -INFINITY, to = INFINITY;
-  for (const double end : ends) {
-    const auto within = [&](const std::vector<double>& speeds) {
-      return static_cast<std::size_t>(std::count_if(
-          speeds.begin(), speeds.end(), [&](double c) { return c >= end - width && c <= end; }));
-    };
-    const std::size_t a = within(base_speeds), b = within(new_speeds);
-    if (kLeastShare * a < base_speeds.size() || kLeastShare * b < new_speeds.size() ||
-        std::pair{std::min(a, b), a + b} <= most)
-      continue;
-    most = {std::min(a, b), a + b};
-    from = end - width;
-    to = end;
-  }
-  const auto multiples = [&](const Launches& run, const std::vector<double>& speeds) {
-    std::vector<double> logs;
-    for (std::size_t i = 0; i < run.times.size(); ++i)
-      if (speeds[i] >= from && speeds[i] <= to) logs.push_back(run.times[i] - run.calibrations[i]);
-    return logs;
-  };
-  return {{multiples(base, base_speeds), multiples(now, new_speeds)}, most.first > 0};
 }
 
 TimeChange time_change(const Stratum& row) {

@@ -140,6 +140,12 @@ std::string results_table(const Json& results) {
   return text + "\n" + kTableLegend;
 }
 
+std::string outcome_text(const Json& cell) {
+  const Json& rows = cell["rows"];
+  if (rows.empty() || !rows.back()["rmse"].is_number()) return cell["status"];
+  return fmt::format("RMSE {:.2e}", rows.back()["rmse"].get<double>());
+}
+
 Progress::Progress(std::FILE* stream, std::size_t total, bool quiet)
     : stream_(stream),
       total_(total),

@@ -13,6 +13,9 @@ namespace koksma {
 // a legend.
 std::string results_table(const Json& results);
 
+// The RMSE of a cell's last row, or its status where it has none.
+std::string outcome_text(const Json& cell);
+
 // A bar with the time left on a terminal, a plain line per finished cell elsewhere, nothing when
 // quiet.
 class Progress {
