@@ -41,7 +41,8 @@ Json timed_beside_others(std::uint64_t seed, double factor = 1) {
 
 TEST_CASE("what the calibration feels more than a kernel does is no change and hides none",
           "[statistical]") {
-  // 60 pairs of runs of 5 s. Of 6000 ...
+  // 60 pairs of runs of 5 s. Of 6000 none alarmed and one was missed: an alarm among 60 is less
+  // likely than 0.03, four missed than 1e-4 (95 % limits of the rates, 5e-4 and 8e-4).
   int alarms = 0, found = 0;
   for (std::uint64_t k = 0; k < 60; ++k) {
     const Json base = timed_beside_others(2 * k);

@@ -81,7 +81,7 @@ double spread_of(const std::vector<double>& ratios);
 inline double spread_dof(std::size_t ratios) { return static_cast<double>(ratios) / 4.72; }
 
 // Single rows and cells lie further out than normal variables do: each is disturbed by itself. Of
-// 300 pairs of runs of equal builds (results/README.md) the 90 % and 99.9 % quantiles of cells are
+// 300 pairs of runs of equal builds the 90 % and 99.9 % quantiles of cells are
 // 1.28 and 4.09 spreads, of rows 1.44 and 4.52: 3.2 and 3.1 times, as of Student's variable with 8
 // or 9 degrees of freedom (a normal one: 2.4). 10, as fewer cost power: of single cells 30 % slower
 // amid 5 % of noise, 58 of 60 are found with 10, 53 with 8 (tests/report_compare_test.cpp).
