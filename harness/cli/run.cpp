@@ -32,8 +32,7 @@ struct RunOptions {
 
 using Clock = std::chrono::steady_clock;
 
-// From a pass over a cell's launches to the next, where others are left to be timed: disturbances
-// of a shared machine last for 1 to 3 s.
+// Between passes over a cell, where others are timed: disturbances of a machine last for 1 to 3 s.
 constexpr std::chrono::milliseconds kBetweenPasses{1500};
 
 // One cell on its way: taken from the journal, ready to run, or refused with a reason.
@@ -44,8 +43,7 @@ struct Slot {
   bool begun = false;
 };
 
-// A cell that was begun and is to be gone on with.
-struct Turn {
+struct Turn {  // of a cell that was begun
   std::size_t cell;
   Clock::time_point due;
 };
@@ -190,15 +188,17 @@ class Run {
     }
   }
 
-  // Starts the cell and leaves it to be timed again, in turn with those that follow. They may take
-  // hours: what is known of it is kept.
+  // Starts the cell, keeps what is known of it, as others may take hours, and leaves it to be timed
+  // again, in turn with them.
   void begin(std::size_t i) {
     Slot& slot = slots_[i];
     const Cell& cell = study_.cells[i];
     slot.begun = true;
-    if (slot.prepared != nullptr)
+    attempt(i, [&](PreparedCell& prepared) {
       progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
-    attempt(i, [&](PreparedCell& prepared) { prepared.start(reference_of(cell)); });
+      prepared.start(reference_of(cell));
+      while (slots_.size() == 1 && prepared.unfinished()) prepared.time_again();
+    });
     record(i);
     progress_.finished(
         fmt::format("{} with {}: {}", cell.scene.text, cell.sampler, outcome_text(*slot.json)));

@@ -330,8 +330,12 @@ void PreparedCell::start(const std::optional<Reference>& reference) {
 void PreparedCell::time_again() {
   if (pass_ > 0) timed_->resume();
   ++pass_;
-  time_rounds(rows_, 0, most_launches(plan_->cell, kLaunchesOfRun),
-              static_cast<double>(pass_) / kPasses, *timed_);
+  const std::size_t most = most_launches(plan_->cell, kLaunchesOfRun);
+  time_rounds(rows_, 0, most, static_cast<double>(pass_) / kPasses, *timed_);
+  const bool enough = std::all_of(rows_.begin(), rows_.end(), [&](const Row& row) {
+    return enough_launches(row.kernel_times.size(), timed_->spent(row.n), most);
+  });
+  if (enough) pass_ = kPasses;  // few launches, or long ones
 }
 
 CellResult PreparedCell::result(std::size_t rows_of_run,
