@@ -279,9 +279,9 @@ class Comparer {
     std::vector<RowShift> shifts;
     for (const Pair* pair : rows) {
       runs.push_back(pair->base_launches);
-      runs.push_back(pair->new_launches);
       shifts.push_back(shift_of(pair->base_launches, pair->new_launches));
     }
+    for (const Pair* pair : rows) runs.push_back(pair->new_launches);
     const std::optional<double> within = share_within(runs), between = share_between(shifts);
     for (Pair* pair : rows) {
       const Launches &base = pair->base_launches, &now = pair->new_launches;
@@ -292,7 +292,7 @@ class Comparer {
     result_.row_spread = spread_of(ratios_of(rows));
     result_.calibration_followed = within ? within : between;
     const double speeds = result_.calibration_ratio;
-    if (!result_.calibration_followed && std::max(speeds, 1 / speeds) > kSpeedsApart)
+    if (!result_.calibration_followed && speeds > 0 && std::max(speeds, 1 / speeds) > kSpeedsApart)
       result_.notes.push_back(
           "the device was as fast throughout each run, but not in both: of a change as it is and "
           "as "
