@@ -1,8 +1,8 @@
 // calibrate: a fixed amount of work, whose time says how fast the device is just now. `koksma compare` takes out of times
 // what follows it. It is to feel a core that is shared with another thread as integration kernels do, so it does what they
 // mostly do: steps the states of a net in Gray-code order, loads, makes coordinates and multiplies. Beside somebody else's
-// thread (Xeon, AVX-512) it takes up to 1.8 times as long and studies 0.85 times that in logarithms; a loop that waits for
-// its own results takes 1.1 times and says nothing of kernels (results/README.md).
+// thread (Xeon, AVX-512) studies follow 0.88 of its change in logarithms; a loop that waits for its own results takes 1.1
+// times as long and says nothing of kernels (results/README.md).
 // Changing it changes what results of different versions are compared beside.
 //   out[item] = a value that needs all steps
 #define KOKSMA_CALIBRATION_DIM 8
