@@ -68,6 +68,22 @@ TEST_CASE("a resumed journal of the same context gives back every finished cell"
   }
 }
 
+TEST_CASE("a cell that was withdrawn is not given back", "[unit]") {
+  const test::TemporaryFolder folder;
+  const std::string out = folder.path("r.json");
+  {
+    Journal journal(out, kContext, false);
+    journal.append(identity(1), {{"value", 1}});
+    journal.append(identity(2), {{"value", 2}});
+    journal.withdraw(identity(1));
+    CHECK_FALSE(journal.finished(identity(1)));
+  }
+  const Journal journal(out, kContext, true);
+  CHECK(journal.taken_over() == 1);
+  CHECK_FALSE(journal.finished(identity(1)));
+  CHECK(journal.finished(identity(2)) == Json{{"value", 2}});
+}
+
 TEST_CASE("appended cells are on disk at once, after the cells taken over", "[unit]") {
   const test::TemporaryFolder folder;
   const std::string out = folder.path("r.json");

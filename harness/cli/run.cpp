@@ -10,12 +10,13 @@
 #include <memory>
 #include <optional>
 
+#include "cli/input_files.hpp"
 #include "cli/verbs.hpp"
+#include "device/calibration.hpp"
 #include "device/check_integrand.hpp"
 #include "error/error.hpp"
 #include "estimate/measure.hpp"
 #include "journal/journal.hpp"
-#include "points/matrices.hpp"
 #include "report/results.hpp"
 #include "report/table.hpp"
 #include "stability/eft.hpp"
@@ -40,7 +41,8 @@ struct Slot {
   Json identity;
   std::optional<Json> json;
   std::unique_ptr<PreparedCell> prepared;
-  bool begun = false;
+  bool begun = false, kept = false;    // kept: in the journal
+  std::optional<Reference> reference;  // of errors, once begun
 };
 
 struct Turn {  // of a cell that was begun
@@ -120,7 +122,6 @@ class Run {
   void measure_reference(const std::string& scene, const std::vector<std::size_t>& candidates) {
     for (const std::size_t i : candidates) {
       begin(i);
-      take_turns(true);
       if (const auto found = reference_from(*slots_[i].json)) {
         references_[scene] = *found;
         return;
@@ -175,7 +176,8 @@ class Run {
     slot.json = cell_to_json(catalog_, refused_cell(cell, CellStatus::failed, reason), nullptr);
   }
 
-  // Work on a cell that is on its way. What it throws becomes the cell's row.
+  // Work on a cell that is on its way. What it throws becomes the cell's row, and what the journal
+  // has of it does not count.
   template <typename Work>
   void attempt(std::size_t i, const Work& work) {
     Slot& slot = slots_[i];
@@ -185,6 +187,7 @@ class Run {
     } catch (const std::exception& error) {
       fail(slot, study_.cells[i], error.what());
       slot.prepared.reset();
+      if (slot.kept) journal_.withdraw(slot.identity);
     }
   }
 
@@ -194,9 +197,10 @@ class Run {
     Slot& slot = slots_[i];
     const Cell& cell = study_.cells[i];
     slot.begun = true;
+    slot.reference = reference_of(cell);
     attempt(i, [&](PreparedCell& prepared) {
       progress_.stage(fmt::format("{} with {}", cell.scene.text, cell.sampler));
-      prepared.start(reference_of(cell));
+      prepared.start(slot.reference);
       while (slots_.size() == 1 && prepared.unfinished()) prepared.time_again();
     });
     record(i);
@@ -208,10 +212,12 @@ class Run {
   void record(std::size_t i) {
     Slot& slot = slots_[i];
     attempt(i, [&](PreparedCell& prepared) {
-      const CellResult result = prepared.result(rows_, reference_of(study_.cells[i]));
+      const CellResult result = prepared.result(rows_, slot.reference);
       slot.json = cell_to_json(catalog_, result, &prepared.plan());
     });
-    if (slot.prepared != nullptr) journal_.append(slot.identity, *slot.json);
+    if (slot.prepared == nullptr) return;
+    journal_.append(slot.identity, *slot.json);
+    slot.kept = true;
   }
 
   void go_on_with(std::size_t i) {
@@ -248,51 +254,6 @@ class Run {
   bool failed_ = false;
 };
 
-// The user's files decide results too: cells measured with other contents are not taken over.
-void add_input_files(Json& context, const RunOptions& options, const Catalog& catalog,
-                     const Study& study) {
-  std::vector<std::string> paths;
-  for (const Cell& cell : study.cells) {
-    const Sampler sampler = catalog.sampler(cell.sampler, "sampler");
-    for (const SamplerParameter& p : sampler.parameters)
-      if (p.path && sampler.options.contains(p.name)) paths.push_back(sampler.options[p.name]);
-  }
-  for (const std::string& path : options.integrands) {
-    paths.push_back(path);
-    paths.push_back(std::filesystem::path(path).replace_extension(".cl").string());
-  }
-  if (!options.directions.empty()) paths.push_back(options.directions);
-  for (const std::string& path : paths)
-    context["files"][path] = std::hash<std::string>{}(read_text_file(path));
-}
-
-// A wrong file stops before anything is built or run.
-void check_directions(const RunOptions& options, const Catalog& catalog, const Study& study) {
-  std::uint32_t most = 0;
-  for (const Cell& cell : study.cells)
-    if (catalog.sampler(cell.sampler, "sampler").reads_directions)
-      most = std::max(most, cell.scene.dim);
-  if (options.directions.empty()) return;
-  if (most == 0)
-    throw InputError("--directions", "no sampler of the study reads direction numbers",
-                     "leave the flag out");
-  sobol_matrices_from_file(options.directions, most, 1);
-}
-
-// The same for files that samplers name: planning reads them.
-void check_sampler_files(const Catalog& catalog, const Study& study, const DeviceFacts& device) {
-  for (const Cell& cell : study.cells) {
-    const Sampler sampler = catalog.sampler(cell.sampler, "sampler");
-    if (std::none_of(sampler.parameters.begin(), sampler.parameters.end(),
-                     [](const SamplerParameter& p) { return p.path; }))
-      continue;
-    try {
-      make_plan(catalog, cell, device);
-    } catch (const UnsupportedError&) {  // a row of the results will tell
-    }
-  }
-}
-
 int run(const RunOptions& options, const std::string& command_line) {
   std::future<Device> loading = Device::choose_beside(options.device);
   const Catalog catalog = load_catalog(options.integrands);
@@ -306,13 +267,14 @@ int run(const RunOptions& options, const std::string& command_line) {
     std::filesystem::create_directories("results", ignored);
   }
   check_writable(out);
-  check_directions(options, catalog, study);
+  check_directions(catalog, study, options.directions);
   Device device = loading.get();
   check_sampler_files(catalog, study, device.facts());
 
-  const Json context = make_context(device.facts(), study, command_line);
+  Json context = make_context(device.facts(), study, command_line);
+  context["calibration"] = Calibration::identity(device.facts());
   Json same_context = resume_context(context);
-  add_input_files(same_context, options, catalog, study);
+  same_context["files"] = input_files(catalog, study, options.integrands, options.directions);
   Journal journal(out, same_context, options.resume);
   if (!options.quiet && journal.taken_over() > 0)
     fmt::print(stderr, "{} finished cells taken over from {}\n", journal.taken_over(),

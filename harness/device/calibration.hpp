@@ -3,6 +3,8 @@
 // is shared drifts by more than what a comparison is after.
 #pragma once
 
+#include <string>
+
 #include "device/device.hpp"
 
 namespace koksma {
@@ -15,6 +17,10 @@ class Calibration {
   // Launches it once: its seconds by the device's clock, about 2e-4 on a CPU. Launches are counted
   // and their wall time is summed, for the cost of calibrating to be known.
   double run();
+
+  // Tells its kernels apart, as 16 hexadecimal digits: times beside different ones are not to be
+  // compared.
+  static std::string identity(const DeviceFacts& device);
 
   std::size_t launches() const { return launches_; }
   double wall_s() const { return wall_s_; }

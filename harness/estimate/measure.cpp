@@ -197,7 +197,7 @@ void PreparedCell::time_rounds(std::vector<Row>& rows, std::size_t first, std::s
     again = false;
     for (std::size_t i = first; i < rows.size(); ++i) {
       const bool merged = timed.merged(rows[i].n) < kMergedRuns;
-      if (!merged && runs_are_chosen_.insert(rows[i].n).second) choose_runs(rows[i], timed);
+      if (!merged && timed.chooses_runs(rows[i].n)) choose_runs(rows[i], timed);
       if (enough_launches(together.count(i), together.spent(i), most_rounds,
                           merged ? share_merged : share))
         continue;
@@ -325,6 +325,8 @@ Stopped PreparedCell::run_rows(const std::optional<Reference>& reference) {
 
 void PreparedCell::start(const std::optional<Reference>& reference) {
   timed_ = std::make_unique<TimedLaunches>(*calibration_);
+  rows_.clear();
+  pass_ = 0;
   stopped_ = run_rows(reference);
 }
 

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -80,10 +79,9 @@ class PreparedCell {
   Kurtosis kurtosis_;  // of f, where a normal approximation over its values is used
 
   std::vector<Row> rows_;
-  std::optional<Stopped> stopped_;           // once started
-  std::unique_ptr<TimedLaunches> timed_;     // the same
-  std::size_t pass_ = 0;                     // that were made, of kPasses
-  std::set<std::uint64_t> runs_are_chosen_;  // N of rows
+  std::optional<Stopped> stopped_;        // once started
+  std::unique_ptr<TimedLaunches> timed_;  // the same
+  std::size_t pass_ = 0;                  // that were made, of kPasses
 };
 
 }  // namespace koksma

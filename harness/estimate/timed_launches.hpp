@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "device/calibration.hpp"
@@ -53,6 +54,8 @@ class TimedLaunches {
   // The same of one run that was waited for and its sums merged: row.wall is made of these.
   void add_merged(Row& row, double kernel_s, double wall_s);
   std::size_t merged(std::uint64_t n) const;
+  // Whether this is asked for the first time of this N.
+  bool chooses_runs(std::uint64_t n) { return !std::exchange(times_[n].runs_are_chosen, true); }
   // The launches of the row so far are not counted as such: those from now on make several runs.
   void restart(Row& row);
   // Wall seconds of all launches of the row of this N.
@@ -68,6 +71,7 @@ class TimedLaunches {
   struct Times {
     std::vector<double> wall, merged_kernel, calibration;
     double spent = 0;
+    bool runs_are_chosen = false;
   };
   void calibrate();
 

@@ -85,8 +85,12 @@ void Journal::read(const std::string& text, const Json& context) {
     const Json entry = Json::parse(line, nullptr, false);
     if (entry.is_discarded()) continue;  // the line a kill cut short
     if (entry.contains("context")) same_context = entry["context"] == context;
-    if (same_context && entry.contains("identity") && entry.contains("cell"))
-      cells_[entry["identity"].dump()] = entry["cell"];
+    if (!same_context || !entry.contains("identity") || !entry.contains("cell")) continue;
+    const std::string identity = entry["identity"].dump();
+    if (entry["cell"].is_null())
+      cells_.erase(identity);  // withdrawn
+    else
+      cells_[identity] = entry["cell"];
   }
   for (const auto& [identity, cell] : cells_) unclaimed_.insert(identity);
   taken_over_ = cells_.size();
@@ -104,6 +108,11 @@ void Journal::append(const Json& identity, const Json& cell) {
   file_.flush();
   if (!file_)
     throw std::runtime_error(fmt::format("{}: cannot write: {}", path_, std::strerror(errno)));
+}
+
+void Journal::withdraw(const Json& identity) {
+  append(identity, nullptr);
+  cells_.erase(identity.dump());
 }
 
 void Journal::remove() {

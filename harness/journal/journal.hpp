@@ -24,6 +24,8 @@ class Journal {
   std::optional<Json> finished(const Json& identity) const;
   // Appends and flushes; throws std::runtime_error when the disk takes no more.
   void append(const Json& identity, const Json& cell);
+  // What was appended of this cell does not count. Throws as append does.
+  void withdraw(const Json& identity);
   // The results file is complete: the journal goes, unless it holds cells taken over that no one
   // asked for (finished()); then it stays.
   void remove();

@@ -9,6 +9,7 @@
 
 #include "error/error.hpp"
 #include "report/compare_errors.hpp"
+#include "report/compare_share.hpp"
 #include "report/compare_times.hpp"
 #include "report/results.hpp"
 
@@ -61,6 +62,11 @@ std::vector<std::string> context_notes(const Json& base, const Json& now,
     notes.push_back(options.across_devices
                         ? "the devices differ; times are compared as asked for"
                         : "the devices differ: times are not compared (--across-devices does)");
+  else if (!same(base, now, "/calibration"))
+    notes.push_back(options.across_devices
+                        ? "the calibration kernels differ: times are compared as they are"
+                        : "the calibration kernels differ: times are not compared; run the base "
+                          "with this koksma");
   for (const auto& [pointer, what] :
        {std::pair{"/device/name", "device"}, std::pair{"/device/compute_units", "compute units"},
         std::pair{"/device/driver", "driver"}, std::pair{"/device/version", "OpenCL version"},
@@ -109,6 +115,7 @@ class Comparer {
     result_.now = short_context(now["context"]);
     result_.notes = context_notes(base["context"], now["context"], options);
     times_wanted_ = options.across_devices || same_device(base["context"], now["context"]);
+    same_calibration_ = same(base["context"], now["context"], "/calibration");
     const auto partner = paired(base["cells"], now["cells"]);
     for (const Json& cell : base["cells"]) add(cell, partner.at(&cell));
     for (const Json& cell : now["cells"])
@@ -131,6 +138,7 @@ class Comparer {
     std::string no_times;  // why
     Launches base_launches, new_launches;
     Stratum compared;
+    bool calibrated = false;
   };
   using Pairs = std::vector<Pair*>;
 
@@ -180,7 +188,9 @@ class Comparer {
   }
 
   std::string no_times(const Json& base, const Json& now) const {
-    return times_wanted_ ? why_not_timed(base, now) : "another device";
+    if (!times_wanted_) return "another device";
+    if (!same_calibration_ && !result_.options.across_devices) return "another calibration kernel";
+    return why_not_timed(base, now);
   }
 
   RowChange& row_of(const Pair& pair) { return result_.cells[pair.cell].rows[pair.row]; }
@@ -215,8 +225,8 @@ class Comparer {
       row_of(pair).time.reason = pair.no_times;
       return;
     }
-    const bool calibrated =
-        pair.base->contains("calibration_s") && pair.now->contains("calibration_s");
+    const bool calibrated = same_calibration_ && pair.base->contains("calibration_s") &&
+                            pair.now->contains("calibration_s");
     pair.base_launches = launches_of(*pair.base, calibrated);
     pair.new_launches = launches_of(*pair.now, calibrated);
     if (pair.base_launches.times.empty() || pair.new_launches.times.empty()) {
@@ -231,6 +241,7 @@ class Comparer {
       return;
     }
     ++result_.rows_timed;
+    pair.calibrated = calibrated;
     uncalibrated_ += calibrated ? 0 : 1;
     if (calibrated)
       calibration_.push_back({pair.base_launches.calibrations, pair.new_launches.calibrations});
@@ -275,28 +286,35 @@ class Comparer {
 
   // Rows, and how far their ratios lie apart.
   void judge_rows(const Pairs& rows) {
-    std::vector<Launches> runs;
-    std::vector<RowShift> shifts;
-    for (const Pair* pair : rows) {
-      runs.push_back(pair->base_launches);
-      shifts.push_back(shift_of(pair->base_launches, pair->new_launches));
-    }
-    for (const Pair* pair : rows) runs.push_back(pair->new_launches);
-    const std::optional<double> within = share_within(runs), between = share_between(shifts);
+    judge_calibration(rows);
     for (Pair* pair : rows) {
-      const Launches &base = pair->base_launches, &now = pair->new_launches;
-      pair->compared =
-          within ? less_followed(base, now, *within) : followed_by_speed(base, now, between);
+      pair->compared = less_followed(pair->base_launches, pair->new_launches,
+                                     result_.calibration_followed.value_or(0), result_.of_clock);
       row_of(*pair).time = time_change(pair->compared);
     }
     result_.row_spread = spread_of(ratios_of(rows));
-    result_.calibration_followed = within ? within : between;
-    const double speeds = result_.calibration_ratio;
-    if (!result_.calibration_followed && speeds > 0 && std::max(speeds, 1 / speeds) > kSpeedsApart)
+  }
+
+  void judge_calibration(const Pairs& rows) {
+    std::vector<Launches> base, now;
+    std::vector<RowShift> shifts;
+    for (const Pair* pair : rows) {
+      if (!pair->calibrated) continue;
+      base.push_back(pair->base_launches);
+      now.push_back(pair->new_launches);
+      shifts.push_back(shift_of(base.back(), now.back()));
+    }
+    if (shifts.empty()) return;
+    const Followed followed = what_is_followed(base, now);
+    result_.calibration_followed = followed.share;
+    result_.clock = followed.clock;
+    result_.of_clock = followed.of_clock(median_shift(shifts));
+    if (followed.clock != 0)
       result_.notes.push_back(
-          "the device was as fast throughout each run, but not in both: of a change as it is and "
-          "as "
-          "a multiple of the calibration the smaller counts; run both again to know more");
+          fmt::format("the device at its fastest was {:.2f} times as {} as before: changes that "
+                      "this may explain "
+                      "do not count; run both again to know more",
+                      std::exp(std::fabs(followed.clock)), followed.clock > 0 ? "slow" : "fast"));
   }
 
   // A third of alpha to each level, there divided by the number of tests.
@@ -316,7 +334,7 @@ class Comparer {
   }
 
   Comparison result_;
-  bool times_wanted_ = true;
+  bool times_wanted_ = true, same_calibration_ = true;
   std::size_t uncalibrated_ = 0;
   std::vector<Pair> pairs_;
   std::vector<Stratum> calibration_;

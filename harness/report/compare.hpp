@@ -82,9 +82,11 @@ struct Comparison {
   double row_spread = 0, cell_spread = 0, study_spread = 0;
   double calibration_ratio = 0;  // of the calibration kernel itself, new / base; 0 unknown
   std::size_t rows_timed = 0, cells_timed = 0, rows_with_errors = 0;
-  // The share of the calibration's change, in logarithms, that rows follow and that is taken out of
-  // theirs; none: unknown.
+  // The share of the calibration's change, in logarithms, that is taken out of those of times;
+  // none: no row is calibrated. How much slower the device itself became, and what is taken out of
+  // times for it besides (report/compare_share.hpp): logarithms.
   std::optional<double> calibration_followed;
+  double clock = 0, of_clock = 0;
 
   bool regression() const;
 };

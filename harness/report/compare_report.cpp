@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include "journal/cell_json.hpp"
 #include "report/text_table.hpp"
@@ -121,10 +122,14 @@ std::string verdict(const Comparison& c) {
 }
 
 std::string calibration_text(const Comparison& c) {
-  if (!(c.calibration_ratio > 0)) return "";
-  return fmt::format("; the calibration kernel itself: {:.2f}, followed by {}", c.calibration_ratio,
-                     c.calibration_followed ? fmt::format("{:.2f} of it", *c.calibration_followed)
-                                            : "an unknown part of it");
+  if (!c.calibration_followed) return "";
+  std::string text =
+      fmt::format("; the calibration kernel itself: {:.2f}, followed by {:.2f} of it",
+                  c.calibration_ratio, *c.calibration_followed);
+  if (c.clock != 0)
+    text += fmt::format(", the clock: {:.2f}, for which {:.2f} is taken out too", std::exp(c.clock),
+                        std::exp(c.of_clock));
+  return text;
 }
 
 std::string summary(const Comparison& c) {
@@ -236,6 +241,8 @@ Json compare_json(const Comparison& comparison) {
       {"rows_timed", comparison.rows_timed},
       {"cells_timed", comparison.cells_timed},
       {"calibration_followed", number_or_null(comparison.calibration_followed)},
+      {"clock_ratio", std::exp(comparison.clock)},
+      {"clock_taken_out", std::exp(comparison.of_clock)},
       {"rows_with_errors", comparison.rows_with_errors},
       {"row_spread", comparison.row_spread},
       {"cell_spread", comparison.cell_spread},

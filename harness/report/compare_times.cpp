@@ -19,46 +19,6 @@ double median(std::vector<double> values) {
   return quantile_of(values, 0.5);
 }
 
-// Slopes are taken over at most so many rows, evenly chosen: their number goes as the square.
-constexpr std::size_t kMostRows = 2048;
-
-template <typename T>
-std::vector<T> thinned(const std::vector<T>& rows) {
-  const std::size_t step = (rows.size() + kMostRows - 1) / kMostRows;
-  std::vector<T> some;
-  for (std::size_t i = 0; i < rows.size(); i += step) some.push_back(rows[i]);
-  return some;
-}
-
-// Standard deviation of what a calibration differs from the one before it, without outliers.
-double neighbours_apart(const std::vector<Launches>& rows) {
-  std::vector<double> apart;
-  for (const Launches& row : rows)
-    for (std::size_t i = 1; i < row.calibrations.size(); ++i) {
-      const double d = std::fabs(row.calibrations[i] - row.calibrations[i - 1]);
-      if (d > 0) apart.push_back(d);  // else they share one
-    }
-  constexpr double kOfNormal = 1.4826;  // standard deviation over the median deviation
-  return apart.empty() ? 0 : kOfNormal * median(std::move(apart));
-}
-
-// Slopes of y over x between all pairs whose x lie further apart than `least`.
-struct Slopes {
-  std::vector<double> slopes;
-  std::size_t pairs = 0;  // all
-
-  void add(double x_apart, double y_apart, double least) {
-    ++pairs;
-    if (std::fabs(x_apart) > least) slopes.push_back(y_apart / x_apart);
-  }
-  std::optional<double> share(double least_pairs) && {
-    if (slopes.empty() ||
-        static_cast<double>(slopes.size()) < least_pairs * static_cast<double>(pairs))
-      return {};
-    return std::max(median(std::move(slopes)), 0.0);
-  }
-};
-
 }  // namespace
 
 std::string why_not_timed(const Json& base_cell, const Json& new_cell) {
@@ -85,54 +45,13 @@ Launches launches_of(const Json& row, bool calibrated) {
   return launches;
 }
 
-RowShift shift_of(const Launches& base, const Launches& now) {
-  return {shift_estimate(base.times, now.times),
-          shift_estimate(base.calibrations, now.calibrations)};
-}
-
-std::optional<double> share_within(const std::vector<Launches>& rows) {
-  const std::vector<Launches> some = thinned(rows);
-  const double least = std::max(std::log(kSpeedsDiffer), 4 * neighbours_apart(some));
-  Slopes slopes;
-  for (const Launches& row : some)
-    for (std::size_t i = 0; i < row.times.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j)
-        slopes.add(row.calibrations[i] - row.calibrations[j], row.times[i] - row.times[j], least);
-  return std::move(slopes).share(kLeastPairs);
-}
-
-std::optional<double> share_between(const std::vector<RowShift>& rows) {
-  const std::vector<RowShift> some = thinned(rows);
-  Slopes slopes;
-  for (std::size_t i = 0; i < some.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      slopes.add(some[i].calibration - some[j].calibration, some[i].time - some[j].time,
-                 std::log(kSpeedsApart));
-  const auto share = std::move(slopes).share(0.1);
-  return share && std::fabs(*share - 1) < kFollowsFully ? 1 : share;
-}
-
-Stratum less_followed(const Launches& base, const Launches& now, double followed) {
-  const auto left = [&](const Launches& run) {
+Stratum less_followed(const Launches& base, const Launches& now, double share, double more) {
+  const auto left = [share](const Launches& run, double less) {
     std::vector<double> logs = run.times;
-    for (std::size_t i = 0; i < logs.size(); ++i) logs[i] -= followed * run.calibrations[i];
+    for (std::size_t i = 0; i < logs.size(); ++i) logs[i] -= share * run.calibrations[i] + less;
     return logs;
   };
-  return {left(base), left(now)};
-}
-
-Stratum followed_by_speed(const Launches& base, const Launches& now,
-                          const std::optional<double>& between) {
-  const RowShift shift = shift_of(base, now);
-  if (std::fabs(shift.calibration) < std::log(kSpeedsApart)) return less_followed(base, now, 1);
-  if (between) return less_followed(base, now, *between);
-  const double multiple = shift.time - shift.calibration;
-  double nearest = 0;
-  if (shift.time * multiple > 0)
-    nearest = std::fabs(shift.time) < std::fabs(multiple) ? shift.time : multiple;
-  Stratum moved{base.times, now.times};
-  for (double& time : moved.b) time += nearest - shift.time;
-  return moved;
+  return {left(base, 0), left(now, more)};
 }
 
 TimeChange time_change(const Stratum& row) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,43 +23,9 @@ Launches launches_of(const Json& row, bool calibrated);
 // them make one run each where the usual launches make several. Empty: they are.
 std::string why_not_timed(const Json& base_cell, const Json& new_cell);
 
-// Calibrating is exact only where a row slows down as much as the calibration kernel does: beside
-// somebody else's thread on the same core, kernels bound by throughput take up to 1.8 times as
-// long, those that wait for their own results 1.1 times (results/README.md). Of the calibration's
-// change, in logarithms, rows follow a share: 1 where times are multiples of it, 0 where it does
-// not touch them. What is compared is what they do not follow.
-
-// The share within runs, which a change between them does not enter: the slope of the times of a
-// row over their calibrations, by Theil (1950) and Sen (1968), the median over all pairs of
-// launches of a row in one run whose calibrations differ by more than kSpeedsDiffer, and by more
-// than four standard deviations of neighbours, as noise alone has no slope. Unknown where less than
-// kLeastPairs of all pairs are such: the device was as fast throughout.
-inline constexpr double kSpeedsDiffer = 1.15, kLeastPairs = 0.05;
-std::optional<double> share_within(const std::vector<Launches>& rows);
-
-struct RowShift {
-  double time, calibration;  // how much larger the new logarithms are
-};
-RowShift shift_of(const Launches& base, const Launches& now);
-
-// The share between runs, where it is unknown within: the same slope of the rows' changes over
-// those of their calibrations, over pairs of rows whose calibrations changed differently, by more
-// than kSpeedsApart. What is slower in all rows cancels, what is slower in a quarter of them hardly
-// moves it. 1 where it is within kFollowsFully of it, as it is not known well. Unknown where less
-// than a tenth of all pairs are such, as where one run knew one speed throughout and the other
-// another.
-inline constexpr double kSpeedsApart = 1.28, kFollowsFully = 0.15;
-std::optional<double> share_between(const std::vector<RowShift>& rows);
-
-// Times less this share of the calibrations.
-Stratum less_followed(const Launches& base, const Launches& now, double followed);
-
-// Where the share within is unknown: multiples of calibrations that differ by less than
-// kSpeedsApart; else times less the share between runs, and where that is unknown too all times of
-// the new run are moved so that the change as it is or as a multiple of the calibration counts,
-// whichever is nearer to none, and none where they disagree about the direction.
-Stratum followed_by_speed(const Launches& base, const Launches& now,
-                          const std::optional<double>& between);
+// Times less this share of the calibrations, and those of the new run less `more` besides
+// (report/compare_share.hpp).
+Stratum less_followed(const Launches& base, const Launches& now, double share, double more);
 
 // One row: Hodges-Lehmann ratio and Mann-Whitney test; not decided yet.
 TimeChange time_change(const Stratum& row);
