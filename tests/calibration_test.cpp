@@ -22,6 +22,19 @@ TEST_CASE("the calibration kernel runs, takes time and is counted", "[device][ti
   CHECK(calibration.wall_s() >= times.front() * static_cast<double>(times.size()));
 }
 
+TEST_CASE("a calibration kernel has a name, of what is launched", "[unit]") {
+  DeviceFacts cpu, gpu;
+  gpu.is_cpu = false;
+  gpu.max_work_group_size = 1024;
+  const std::string name = Calibration::identity(cpu);
+  CHECK(name.size() == 16);
+  CHECK(name.find_first_not_of("0123456789abcdef") == std::string::npos);
+  CHECK(name != Calibration::identity(gpu));
+  cpu.name = "another, of another number of cores";
+  cpu.compute_units = 64;
+  CHECK(name == Calibration::identity(cpu));
+}
+
 TEST_CASE("every timed launch has a calibration beside it, and long launches are not repeated",
           "[device][timing]") {
   for (const char* sampler : {"sobol-owen", "latin"}) {  // one table for all N, and one for each

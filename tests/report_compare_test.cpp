@@ -275,6 +275,11 @@ TEST_CASE(
   CHECK_FALSE(device.regression());
   CHECK_THAT(compare_table(device), Contains("times are not compared"));
   CHECK(compared(base, now, {.across_devices = true}).study.change == Change::worse);
+  // Where one of them is twice as slow, its calibration is too.
+  for (Json& cell : now["cells"])
+    for (Json& row : cell["rows"])
+      for (Json& t : row["calibration_s"]) t = 2 * t.get<double>();
+  CHECK(compared(base, now, {.across_devices = true}).study.change == Change::worse);
   Json other = timed(2, 2);
   for (Json& cell : other["cells"]) cell["replicates"] = 7;
   CHECK_THAT(compared(base, other).cells[0].rows[0].time.reason, Contains("replicates: 7, were "));

@@ -79,7 +79,9 @@ GeneralComparison compare_with_general(Device& device, const Catalog& catalog, c
   for (; result.rounds < rounds.most; ++result.rounds) {
     result.settled = planned_s.settled() && general_s.settled();
     const double spent = std::chrono::duration<double>(Clock::now() - start).count();
-    if (result.rounds >= rounds.least && (result.settled || spent > rounds.seconds)) break;
+    if (result.rounds >= rounds.least && spent >= rounds.least_seconds &&
+        (result.settled || spent > rounds.seconds))
+      break;
     planned_s.add(run(planned, plan, n, planned_sums));
     general_s.add(run(twin, general.plan, n, general_sums));
   }

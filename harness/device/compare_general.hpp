@@ -22,11 +22,11 @@ struct GeneralComparison {
   double ratio() const { return general_s / planned_s; }
 };
 
-// How long to go on: at least `least` rounds, then until both are settled, `most` rounds or
-// `seconds` have passed.
+// How long to go on: at least `least` rounds and `least_seconds`, then until both are settled, `most`
+// rounds or `seconds` have passed.
 struct Rounds {
   std::size_t least = 31, most = 2000;
-  double seconds = 10;
+  double least_seconds = 0, seconds = 10;
 };
 
 // Integrates the first n samples of every replicate with both kernels. UnsupportedError where the

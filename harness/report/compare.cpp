@@ -8,6 +8,7 @@
 #include <map>
 
 #include "error/error.hpp"
+#include "report/compare_context.hpp"
 #include "report/compare_errors.hpp"
 #include "report/compare_share.hpp"
 #include "report/compare_times.hpp"
@@ -39,44 +40,6 @@ std::map<std::string, const Json*> by_key(const Json& cells) {
     for (std::size_t k = 0; !map.try_emplace(fmt::format("{} {}", key, k), &cell).second;) ++k;
   }
   return map;
-}
-
-std::string text_at(const Json& context, const char* pointer) {
-  const Json value = context.value(Json::json_pointer(pointer), Json());
-  return value.is_string() ? value.get<std::string>() : value.dump();
-}
-
-bool same(const Json& base, const Json& now, const char* pointer) {
-  return text_at(base, pointer) == text_at(now, pointer);
-}
-
-bool same_device(const Json& base, const Json& now) {
-  return same(base, now, "/device/name") && same(base, now, "/device/vendor") &&
-         same(base, now, "/device/platform") && same(base, now, "/device/compute_units");
-}
-
-std::vector<std::string> context_notes(const Json& base, const Json& now,
-                                       const CompareOptions& options) {
-  std::vector<std::string> notes;
-  if (!same_device(base, now))
-    notes.push_back(options.across_devices
-                        ? "the devices differ; times are compared as asked for"
-                        : "the devices differ: times are not compared (--across-devices does)");
-  else if (!same(base, now, "/calibration"))
-    notes.push_back(options.across_devices
-                        ? "the calibration kernels differ: times are compared as they are"
-                        : "the calibration kernels differ: times are not compared; run the base "
-                          "with this koksma");
-  for (const auto& [pointer, what] :
-       {std::pair{"/device/name", "device"}, std::pair{"/device/compute_units", "compute units"},
-        std::pair{"/device/driver", "driver"}, std::pair{"/device/version", "OpenCL version"},
-        std::pair{"/host", "host"}, std::pair{"/build_type", "build type"},
-        std::pair{"/compiler", "compiler"}, std::pair{"/version", "version of koksma"},
-        std::pair{"/environment", "environment"}, std::pair{"/seed", "seed"}})
-    if (!same(base, now, pointer))
-      notes.push_back(
-          fmt::format("{}: {}, was {}", what, text_at(now, pointer), text_at(base, pointer)));
-  return notes;
 }
 
 Json short_context(Json context) {
@@ -115,7 +78,7 @@ class Comparer {
     result_.now = short_context(now["context"]);
     result_.notes = context_notes(base["context"], now["context"], options);
     times_wanted_ = options.across_devices || same_device(base["context"], now["context"]);
-    same_calibration_ = same(base["context"], now["context"], "/calibration");
+    same_calibration_ = same_calibration(base["context"], now["context"]);
     const auto partner = paired(base["cells"], now["cells"]);
     for (const Json& cell : base["cells"]) add(cell, partner.at(&cell));
     for (const Json& cell : now["cells"])
@@ -225,7 +188,8 @@ class Comparer {
       row_of(pair).time.reason = pair.no_times;
       return;
     }
-    const bool calibrated = same_calibration_ && pair.base->contains("calibration_s") &&
+    const bool calibrated = same_calibration_ && same_device(result_.base, result_.now) &&
+                            pair.base->contains("calibration_s") &&
                             pair.now->contains("calibration_s");
     pair.base_launches = launches_of(*pair.base, calibrated);
     pair.new_launches = launches_of(*pair.now, calibrated);
@@ -251,8 +215,8 @@ class Comparer {
     for (Pair& pair : pairs_) take_times(pair);
     if (uncalibrated_ > 0)
       result_.notes.push_back(
-          fmt::format("{} rows have no calibration: their times are compared as they are, drift of "
-                      "the machine and all",
+          fmt::format("{} rows have no calibration on one device: their times are compared as they "
+                      "are, drift of the machine and all",
                       uncalibrated_));
     if (result_.rows_timed == 0) {
       result_.study.reason = "no row has times to compare";
@@ -289,7 +253,7 @@ class Comparer {
     judge_calibration(rows);
     for (Pair* pair : rows) {
       pair->compared = less_followed(pair->base_launches, pair->new_launches,
-                                     result_.calibration_followed.value_or(0), result_.of_clock);
+                                     result_.calibration_followed.value_or(0));
       row_of(*pair).time = time_change(pair->compared);
     }
     result_.row_spread = spread_of(ratios_of(rows));
@@ -297,24 +261,24 @@ class Comparer {
 
   void judge_calibration(const Pairs& rows) {
     std::vector<Launches> base, now;
-    std::vector<RowShift> shifts;
     for (const Pair* pair : rows) {
       if (!pair->calibrated) continue;
       base.push_back(pair->base_launches);
       now.push_back(pair->new_launches);
-      shifts.push_back(shift_of(base.back(), now.back()));
     }
-    if (shifts.empty()) return;
+    if (base.empty()) return;
     const Followed followed = what_is_followed(base, now);
     result_.calibration_followed = followed.share;
-    result_.clock = followed.clock;
-    result_.of_clock = followed.of_clock(median_shift(shifts));
-    if (followed.clock != 0)
-      result_.notes.push_back(
-          fmt::format("the device at its fastest was {:.2f} times as {} as before: changes that "
-                      "this may explain "
-                      "do not count; run both again to know more",
-                      std::exp(std::fabs(followed.clock)), followed.clock > 0 ? "slow" : "fast"));
+    result_.clock_ratio = std::exp(followed.clock);
+    // What is below the threshold explains nothing beyond it.
+    if (std::fabs(followed.clock) < std::log1p(result_.options.threshold)) return;
+    explained_ = followed.explained();
+    explained_of_one_ = followed.explained_of_one();
+    const auto ratios = [](const Interval& logarithms) {
+      return Interval{std::exp(logarithms.low), std::exp(logarithms.high)};
+    };
+    result_.explained = ratios(explained_);
+    result_.explained_of_one = ratios(explained_of_one_);
   }
 
   // A third of alpha to each level, there divided by the number of tests.
@@ -327,10 +291,17 @@ class Comparer {
     for (CellChange& cell : result_.cells) {
       for (RowChange& row : cell.rows)
         decide(row.time, threshold, share / rows, result_.row_spread,
-               single_dof(result_.rows_timed));
-      decide(cell.time, threshold, share / cells, result_.cell_spread, single_dof(ratios));
+               single_dof(result_.rows_timed), explained_of_one_);
+      decide(cell.time, threshold, share / cells, result_.cell_spread, single_dof(ratios),
+             explained_of_one_);
     }
-    decide(result_.study, threshold, share, result_.study_spread, spread_dof(ratios));
+    decide(result_.study, threshold, share, result_.study_spread, spread_dof(ratios), explained_);
+    if (result_.undecided())
+      result_.notes.push_back(fmt::format(
+          "the device at its fastest was {:.2f} times as {} as before, and may explain what is "
+          "undecided: run both again",
+          std::max(result_.clock_ratio, 1 / result_.clock_ratio),
+          result_.clock_ratio > 1 ? "slow" : "fast"));
   }
 
   Comparison result_;
@@ -338,6 +309,7 @@ class Comparer {
   std::size_t uncalibrated_ = 0;
   std::vector<Pair> pairs_;
   std::vector<Stratum> calibration_;
+  Interval explained_, explained_of_one_;  // logarithms of ratios, by the device's own speed
 };
 
 }  // namespace
@@ -348,6 +320,14 @@ bool CellChange::regression() const {
          std::any_of(rows.begin(), rows.end(), [](const RowChange& row) {
            return row.time.change == Change::worse || row.error.change == Change::worse ||
                   !row.vanished.empty();
+         });
+}
+
+bool Comparison::undecided() const {
+  const auto is = [](const TimeChange& time) { return time.change == Change::undecided; };
+  return is(study) || std::any_of(cells.begin(), cells.end(), [&](const CellChange& cell) {
+           return is(cell.time) || std::any_of(cell.rows.begin(), cell.rows.end(),
+                                               [&](const RowChange& row) { return is(row.time); });
          });
 }
 

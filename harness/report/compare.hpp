@@ -16,6 +16,9 @@
 // would be (report/compare_times.hpp). What a whole run has in common is what the
 // threshold is for.
 //
+// The calibration does not tell what times do where the device itself changes (its clock, another
+// process throughout a run): what that may explain is undecided, and no regression.
+//
 // Errors: a row is worse where the confidence intervals of the two RMSE do not overlap and the
 // difference of their logarithms is beyond alpha divided by the rows, taking the intervals for
 // normal ones of 95 % on that scale. The error of a deterministic point set has no interval: it is
@@ -27,6 +30,7 @@
 #include <vector>
 
 #include "catalog/json.hpp"
+#include "estimate/interval.hpp"
 
 namespace koksma {
 
@@ -36,7 +40,8 @@ struct CompareOptions {
   bool across_devices = false;  // compare times of different devices
 };
 
-enum class Change { none, better, worse, unknown };
+// Undecided: beyond what is noise, but a change of the device's own speed may explain it.
+enum class Change { none, better, worse, undecided, unknown };
 
 struct TimeChange {
   Change change = Change::unknown;
@@ -83,12 +88,14 @@ struct Comparison {
   double calibration_ratio = 0;  // of the calibration kernel itself, new / base; 0 unknown
   std::size_t rows_timed = 0, cells_timed = 0, rows_with_errors = 0;
   // The share of the calibration's change, in logarithms, that is taken out of those of times;
-  // none: no row is calibrated. How much slower the device itself became, and what is taken out of
-  // times for it besides (report/compare_share.hpp): logarithms.
+  // none: no row is calibrated. How much slower the device itself became, and ratios that this
+  // explains, of the study and of one row or cell (report/compare_share.hpp).
   std::optional<double> calibration_followed;
-  double clock = 0, of_clock = 0;
+  double clock_ratio = 1;
+  Interval explained{1, 1}, explained_of_one{1, 1};
 
   bool regression() const;
+  bool undecided() const;  // a row, a cell or the study is
 };
 
 // A results file, checked against the schema. InputError: it cannot be read, is cut off, is of

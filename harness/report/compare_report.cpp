@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 
 #include "journal/cell_json.hpp"
 #include "report/text_table.hpp"
@@ -22,7 +21,8 @@ std::string_view name(CellState state) {
 }
 
 std::string_view name(Change change) {
-  static constexpr std::array<std::string_view, 4> kNames{"none", "better", "worse", "unknown"};
+  static constexpr std::array<std::string_view, 5> kNames{"none", "better", "worse", "undecided",
+                                                          "unknown"};
   return kNames.at(static_cast<std::size_t>(change));
 }
 
@@ -37,6 +37,7 @@ std::string p_text(const TimeChange& time) {
 std::string time_words(const TimeChange& time) {
   if (time.change == Change::worse) return "SLOWER";
   if (time.change == Change::better) return "faster";
+  if (time.change == Change::undecided) return "undecided";
   return time.ratio > 0 ? "" : time.reason;
 }
 
@@ -52,8 +53,8 @@ std::string error_words(const ErrorChange& error) {
 
 bool worth_a_line(const RowChange& row) {
   return row.time.change == Change::worse || row.time.change == Change::better ||
-         row.error.change == Change::worse || row.error.change == Change::better ||
-         row.error.suspect || !row.vanished.empty();
+         row.time.change == Change::undecided || row.error.change == Change::worse ||
+         row.error.change == Change::better || row.error.suspect || !row.vanished.empty();
 }
 
 std::string cell_words(const CellChange& cell) {
@@ -112,7 +113,8 @@ std::vector<Line> lines_of(const CellChange& cell) {
 std::string verdict(const Comparison& c) {
   const auto worse = std::count_if(c.cells.begin(), c.cells.end(),
                                    [](const CellChange& cell) { return cell.regression(); });
-  if (!c.regression()) return "no regression";
+  if (!c.regression())
+    return c.undecided() ? "no regression, but changes that are UNDECIDED" : "no regression";
   std::string text = "REGRESSION:";
   if (c.study.change == Change::worse) text += " the study as a whole is slower";
   if (worse > 0)
@@ -123,13 +125,9 @@ std::string verdict(const Comparison& c) {
 
 std::string calibration_text(const Comparison& c) {
   if (!c.calibration_followed) return "";
-  std::string text =
-      fmt::format("; the calibration kernel itself: {:.2f}, followed by {:.2f} of it",
-                  c.calibration_ratio, *c.calibration_followed);
-  if (c.clock != 0)
-    text += fmt::format(", the clock: {:.2f}, for which {:.2f} is taken out too", std::exp(c.clock),
-                        std::exp(c.of_clock));
-  return text;
+  return fmt::format(
+      "; the calibration kernel itself: {:.2f}, followed by {:.2f} of it; at its fastest: {:.2f}",
+      c.calibration_ratio, *c.calibration_followed, c.clock_ratio);
 }
 
 std::string summary(const Comparison& c) {
@@ -233,6 +231,7 @@ Json compare_json(const Comparison& comparison) {
   Json json = {
       {"schema_version", kCompareSchemaVersion},
       {"regression", comparison.regression()},
+      {"undecided", comparison.undecided()},
       {"threshold", comparison.options.threshold},
       {"alpha", comparison.options.alpha},
       {"base", comparison.base},
@@ -241,8 +240,10 @@ Json compare_json(const Comparison& comparison) {
       {"rows_timed", comparison.rows_timed},
       {"cells_timed", comparison.cells_timed},
       {"calibration_followed", number_or_null(comparison.calibration_followed)},
-      {"clock_ratio", std::exp(comparison.clock)},
-      {"clock_taken_out", std::exp(comparison.of_clock)},
+      {"clock_ratio", comparison.clock_ratio},
+      {"clock_explains", {comparison.explained.low, comparison.explained.high}},
+      {"clock_explains_of_one",
+       {comparison.explained_of_one.low, comparison.explained_of_one.high}},
       {"rows_with_errors", comparison.rows_with_errors},
       {"row_spread", comparison.row_spread},
       {"cell_spread", comparison.cell_spread},

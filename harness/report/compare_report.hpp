@@ -8,7 +8,7 @@
 
 namespace koksma {
 
-inline constexpr int kCompareSchemaVersion = 1;
+inline constexpr int kCompareSchemaVersion = 2;
 
 // Differences of the runs, a line per cell, a line per row that changed, the verdict. UTF-8.
 std::string compare_table(const Comparison& comparison);

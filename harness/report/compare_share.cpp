@@ -103,32 +103,25 @@ std::optional<double> share_between(const std::vector<RowShift>& rows) {
   return share && std::fabs(*share - 1) < kFollowsFully ? 1 : share;
 }
 
-double Followed::of_clock(const RowShift& study) const {
-  const double left = study.time - share * study.calibration, most = (1 - share) * clock;
-  return std::clamp(left, std::min(most, 0.0), std::max(most, 0.0));
-}
-
-RowShift median_shift(const std::vector<RowShift>& rows) {
-  std::vector<double> times, calibrations;
-  for (const RowShift& row : rows) {
-    times.push_back(row.time);
-    calibrations.push_back(row.calibration);
-  }
-  return {median_of(std::move(times)), median_of(std::move(calibrations))};
+Interval Followed::between(double least) const {
+  const double low = (least - share) * clock, high = (std::max(share, 1.0) - share) * clock;
+  return {std::min(low, high), std::max(low, high)};
 }
 
 Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now) {
-  const auto differ = [](double logarithm) {
-    return std::fabs(logarithm) > std::log(kSpeedsDiffer) ? logarithm : 0;
-  };
   std::vector<Launches> runs = base;
   runs.insert(runs.end(), now.begin(), now.end());
   if (const auto within = share_within(runs))
-    return {*within, differ(fast_calibration(now) - fast_calibration(base))};
+    return {*within, fast_calibration(now) - fast_calibration(base)};
   std::vector<RowShift> shifts;
-  for (std::size_t i = 0; i < base.size(); ++i) shifts.push_back(shift_of(base[i], now[i]));
-  const double clock = differ(median_shift(shifts).calibration);
-  return clock == 0 ? Followed{1, 0} : Followed{share_between(shifts).value_or(0), clock};
+  std::vector<double> clocks;
+  for (std::size_t i = 0; i < base.size(); ++i) {
+    shifts.push_back(shift_of(base[i], now[i]));
+    clocks.push_back(shifts.back().calibration);
+  }
+  const double clock = median_of(std::move(clocks));
+  if (std::fabs(clock) < std::log(kSpeedsDiffer)) return {1, clock};
+  return {share_between(shifts).value_or(0), clock};
 }
 
 }  // namespace koksma

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "report/compare.hpp"
 #include "report/compare_times.hpp"
 
 namespace koksma {
@@ -36,24 +37,27 @@ RowShift shift_of(const Launches& base, const Launches& now);
 inline constexpr double kSpeedsApart = 1.28, kFollowsFully = 0.15;
 std::optional<double> share_between(const std::vector<RowShift>& rows);
 
-// What is taken out of the changes of times between two runs: of the calibration's change beside
-// them this share, and of the clock's what is nearest to no change of the study.
+// What is taken out of the changes of times between two runs, a share of the calibration's change
+// beside them, and what may still be in them.
 struct Followed {
   double share = 1;
-  // How much slower the device itself became, as a logarithm; 0: less than kSpeedsDiffer. Its
-  // change is no neighbour's, and times may follow all of it.
+  // How much slower the device itself became, as a logarithm: its change is nobody's on the same
+  // core, so times may follow another part of it.
   double clock = 0;
 
-  // What is taken out besides, between 0 and the rest of `clock`; `study`: the median of its rows.
-  double of_clock(const RowShift& study) const;
+  // Logarithms of changes that this explains: of a study, whose times follow the share or up to
+  // all, and of one row or cell, which may follow none of it.
+  Interval explained() const { return between(share); }
+  Interval explained_of_one() const { return between(0); }
+
+ private:
+  Interval between(double least) const;
 };
 
 // The share within, and the clock by the calibration's fastest launches. Where it is unknown, as
-// each run knew one speed: all, if the calibration changed by less than kSpeedsDiffer; else that
-// between runs, or none, and the change may be the clock's. base[i] and now[i]: of the same row.
+// each run knew one speed: all, if the calibration changed by less than kSpeedsDiffer, else that
+// between runs, or none; and the whole change may be the clock's. base[i] and now[i]: of the same
+// row.
 Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now);
-
-// The median over rows.
-RowShift median_shift(const std::vector<RowShift>& rows);
 
 }  // namespace koksma

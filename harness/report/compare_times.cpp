@@ -45,13 +45,13 @@ Launches launches_of(const Json& row, bool calibrated) {
   return launches;
 }
 
-Stratum less_followed(const Launches& base, const Launches& now, double share, double more) {
-  const auto left = [share](const Launches& run, double less) {
+Stratum less_followed(const Launches& base, const Launches& now, double share) {
+  const auto left = [share](const Launches& run) {
     std::vector<double> logs = run.times;
-    for (std::size_t i = 0; i < logs.size(); ++i) logs[i] -= share * run.calibrations[i] + less;
+    for (std::size_t i = 0; i < logs.size(); ++i) logs[i] -= share * run.calibrations[i];
     return logs;
   };
-  return {left(base, 0), left(now, more)};
+  return {left(base), left(now)};
 }
 
 TimeChange time_change(const Stratum& row) {
@@ -95,17 +95,24 @@ double spread_of(const std::vector<double>& ratios) {
   return (quantile_of(logs, kHigh) - quantile_of(logs, kLow)) / (expected(kHigh) - expected(kLow));
 }
 
-void decide(TimeChange& time, double threshold, double p_limit, double spread, double dof) {
+void decide(TimeChange& time, double threshold, double p_limit, double spread, double dof,
+            const Interval& explained) {
   if (!(time.ratio > 0)) return;
   time.change = Change::none;
   if (time.p > p_limit) return;
+  double most = std::log1p(threshold);
   if (spread > 0) {
     const boost::math::students_t student(dof);
-    const double most = spread * boost::math::quantile(boost::math::complement(student, p_limit));
-    if (std::fabs(std::log(time.ratio)) < most) return;
+    most =
+        std::max(most, spread * boost::math::quantile(boost::math::complement(student, p_limit)));
   }
-  if (time.ratio >= 1 + threshold) time.change = Change::worse;
-  if (time.ratio <= 1 / (1 + threshold)) time.change = Change::better;
+  const double change = std::log(time.ratio),
+               left = change - std::clamp(change, explained.low, explained.high);
+  if (std::fabs(change) < most) return;
+  if (std::fabs(left) < most)
+    time.change = Change::undecided;
+  else
+    time.change = left > 0 ? Change::worse : Change::better;
 }
 
 }  // namespace koksma

@@ -23,9 +23,8 @@ Launches launches_of(const Json& row, bool calibrated);
 // them make one run each where the usual launches make several. Empty: they are.
 std::string why_not_timed(const Json& base_cell, const Json& new_cell);
 
-// Times less this share of the calibrations, and those of the new run less `more` besides
-// (report/compare_share.hpp).
-Stratum less_followed(const Launches& base, const Launches& now, double share, double more);
+// Times less this share of the calibrations (report/compare_share.hpp).
+Stratum less_followed(const Launches& base, const Launches& now, double share);
 
 // One row: Hodges-Lehmann ratio and Mann-Whitney test; not decided yet.
 TimeChange time_change(const Stratum& row);
@@ -54,7 +53,9 @@ inline constexpr double kTailDof = 10;
 inline double single_dof(std::size_t ratios) { return std::min(spread_dof(ratios), kTailDof); }
 
 // A change beyond the threshold, beyond p_limit, and beyond what a Student variable exceeds with
-// that probability, times the spread (of the logarithm). dof > 0; a spread of 0 is none.
-void decide(TimeChange& time, double threshold, double p_limit, double spread, double dof);
+// that probability, times the spread (of the logarithm). dof > 0; a spread of 0 is none. Undecided
+// where it is not beyond them once it is as much nearer to none as these logarithms explain.
+void decide(TimeChange& time, double threshold, double p_limit, double spread, double dof,
+            const Interval& explained = {0, 0});
 
 }  // namespace koksma

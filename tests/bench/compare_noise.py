@@ -62,7 +62,9 @@ def entry_of(kind, status, comparison, loads):
     cells = [c for c in comparison["cells"] if c["regression"]]
     return {"kind": kind, "regression": status == 1, "study_ratio": comparison["study"]["ratio"],
             "study_p": comparison["study"]["p"], "study": comparison["study"]["change"],
-            "calibration_ratio": comparison["calibration_ratio"], "cells_worse": len(cells),
+            "undecided": comparison["undecided"], "calibration_ratio": comparison["calibration_ratio"],
+            "calibration_followed": comparison["calibration_followed"], "clock_ratio": comparison["clock_ratio"],
+            "cells_worse": len(cells),
             "worst_cell_ratio": max(c["time"]["ratio"] or 0 for c in comparison["cells"]),
             "row_spread": comparison["row_spread"], "cell_spread": comparison["cell_spread"],
             "cells": len(comparison["cells"]), "load": loads}
