@@ -22,8 +22,8 @@ struct GeneralComparison {
   double ratio() const { return general_s / planned_s; }
 };
 
-// How long to go on: at least `least` rounds and `least_seconds`, then until both are settled, `most`
-// rounds or `seconds` have passed.
+// How long to go on: at least `least` rounds and `least_seconds`, then until both are settled,
+// `most` rounds or `seconds` have passed.
 struct Rounds {
   std::size_t least = 31, most = 2000;
   double least_seconds = 0, seconds = 10;

@@ -18,9 +18,9 @@ using State = benchmark::State;
 // Three rounds that agree within 2 % may all be disturbed by so much on a shared machine.
 constexpr double kNoise = 0.03;
 constexpr double kDominated = 1.5;
-// A neighbour on the same core is there for 1 to 3 s and slows down long loops without branches more
-// than short ones: `random` in fp32 is 0.94 to 0.99 times as fast as its twin beside one, 1.01 to
-// 1.05 without.
+// A neighbour on the same core is there for 1 to 3 s and slows down long loops without branches
+// more than short ones: `random` in fp32 is 0.94 to 0.99 times as fast as its twin beside one, 1.01
+// to 1.05 without.
 constexpr Rounds kRounds{.most = 200000, .least_seconds = 4};
 
 struct Row {
