@@ -187,7 +187,7 @@ TEST_CASE("what is known of the share depends on the speeds that the runs knew",
   };
   const auto found = [&](const std::vector<Launches>& now, const std::vector<Launches>& base,
                          double share, double clock) {
-    const Followed followed = what_is_followed(base, now);
+    const Followed followed = what_is_followed(base, now, std::log(1.15));
     CHECK(followed.share == Approx(share).margin(1e-3));
     CHECK(followed.clock == Approx(clock).margin(1e-3));
   };
@@ -195,8 +195,9 @@ TEST_CASE("what is known of the share depends on the speeds that the runs knew",
   found(run(6, 0.1), run(4, 0), 0.25, 0.1);
   found(run(4, 0.4), run(4, 0), 0.25, 0.4);
   found(run(2, 0), run(6, 0.4), 0.25, -0.4);
-  found(run(12, 0), run(4, 0), 0.25, 0.5);       // a neighbour throughout looks like a clock
-  found(run(0, 0.1), run(0, 0), 1, 0.1);         // about as fast, throughout
+  found(run(12, 0), run(4, 0), 0.25, 0.5);  // a neighbour throughout looks like a clock
+  found(run(0, 0.1), run(0, 0), 1, 0.1);    // about as fast, throughout
+  CHECK(what_is_followed(run(0, 0), run(0, 0.1), std::log(1.05)).share == 0);  // not that much
   found(run(0, 0.3), run(0, 0), 0, 0.3);         // at another speed throughout
   found(run(0, 0.1, 0.4), run(0, 0), 0.5, 0.3);  // and rows at different ones
 }
@@ -236,6 +237,10 @@ TEST_CASE("between two runs at different speeds what these explain is undecided"
   CHECK(compare_json(as_fast)["undecided"] == true);
   CHECK(compare_json(as_fast)["study"]["change"] == "undecided");
   CHECK(beside(2 * 1.3).study.change == Change::worse);
+  // A limit that is asked for is the limit of what speeds are alike, too.
+  const Comparison at_five = compare_results(base, run(1.1, 1.1), {.threshold = 0.05});
+  CHECK(at_five.study.change == Change::undecided);
+  CHECK(compare_results(base, run(1.1, 1.1), {}).study.ratio == Approx(1));
   CHECK(beside(1.1).study.change == Change::none);
   CHECK_FALSE(beside(1.1).undecided());
   CHECK(compare_results(base, base, {}).clock_ratio == 1);

@@ -267,11 +267,12 @@ class Comparer {
       now.push_back(pair->new_launches);
     }
     if (base.empty()) return;
-    const Followed followed = what_is_followed(base, now);
+    // What is below the threshold explains nothing beyond it.
+    const double negligible = std::log1p(result_.options.threshold);
+    const Followed followed = what_is_followed(base, now, negligible);
     result_.calibration_followed = followed.share;
     result_.clock_ratio = std::exp(followed.clock);
-    // What is below the threshold explains nothing beyond it.
-    if (std::fabs(followed.clock) < std::log1p(result_.options.threshold)) return;
+    if (std::fabs(followed.clock) < negligible) return;
     explained_ = followed.explained();
     explained_of_one_ = followed.explained_of_one();
     const auto ratios = [](const Interval& logarithms) {

@@ -108,7 +108,8 @@ Interval Followed::between(double least) const {
   return {std::min(low, high), std::max(low, high)};
 }
 
-Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now) {
+Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now,
+                          double negligible) {
   std::vector<Launches> runs = base;
   runs.insert(runs.end(), now.begin(), now.end());
   if (const auto within = share_within(runs))
@@ -120,7 +121,7 @@ Followed what_is_followed(const std::vector<Launches>& base, const std::vector<L
     clocks.push_back(shifts.back().calibration);
   }
   const double clock = median_of(std::move(clocks));
-  if (std::fabs(clock) < std::log(kSpeedsDiffer)) return {1, clock};
+  if (std::fabs(clock) < negligible) return {1, clock};
   return {share_between(shifts).value_or(0), clock};
 }
 

@@ -55,9 +55,10 @@ struct Followed {
 };
 
 // The share within, and the clock by the calibration's fastest launches. Where it is unknown, as
-// each run knew one speed: all, if the calibration changed by less than kSpeedsDiffer, else that
-// between runs, or none; and the whole change may be the clock's. base[i] and now[i]: of the same
-// row.
-Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now);
+// each run knew one speed: all, if the calibration changed by less than `negligible` (a logarithm),
+// else that between runs, or none; and the whole change may be the clock's. base[i] and now[i]: of
+// the same row.
+Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now,
+                          double negligible);
 
 }  // namespace koksma
