@@ -141,7 +141,7 @@ TEST_CASE("changes are what is left of times", "[unit]") {
 TEST_CASE("a device's own speed explains what times do that follow more of it, or less", "[unit]") {
   const auto explained = [](double share, double clock, double low, double high, double least,
                             double most) {
-    const Followed followed{.share = share, .clock = clock};
+    const Followed followed{.share = share, .clock = clock, .least = share};
     const Interval of_all = followed.explained(), of_one = followed.explained_of_one();
     CHECK(of_all.low == Approx(low).margin(1e-15));
     CHECK(of_all.high == Approx(high).margin(1e-15));
@@ -152,6 +152,9 @@ TEST_CASE("a device's own speed explains what times do that follow more of it, o
   explained(0.25, 0.4, 0, 0.3, -0.1, 0.3);
   explained(0.25, -0.4, -0.3, 0, -0.3, 0.1);
   explained(1.2, 0.5, 0, 0, -0.6, 0);
+  const Interval unknown = Followed{.share = 1, .clock = 0.1, .least = 0}.explained();
+  CHECK(unknown.low == Approx(-0.1));
+  CHECK(unknown.high == 0);
   // 20 % beyond the threshold and beyond noise, unless so much is explained.
   const auto decided = [](double ratio, const Interval& by_speed, double spread = 0) {
     TimeChange time;
@@ -187,7 +190,7 @@ TEST_CASE("what is known of the share depends on the speeds that the runs knew",
   };
   const auto found = [&](const std::vector<Launches>& now, const std::vector<Launches>& base,
                          double share, double clock) {
-    const Followed followed = what_is_followed(base, now, std::log(1.15));
+    const Followed followed = what_is_followed(base, now);
     CHECK(followed.share == Approx(share).margin(1e-3));
     CHECK(followed.clock == Approx(clock).margin(1e-3));
   };
@@ -197,9 +200,9 @@ TEST_CASE("what is known of the share depends on the speeds that the runs knew",
   found(run(2, 0), run(6, 0.4), 0.25, -0.4);
   found(run(12, 0), run(4, 0), 0.25, 0.5);  // a neighbour throughout looks like a clock
   found(run(0, 0.1), run(0, 0), 1, 0.1);    // about as fast, throughout
-  CHECK(what_is_followed(run(0, 0), run(0, 0.1), std::log(1.05)).share == 0);  // not that much
-  found(run(0, 0.3), run(0, 0), 0, 0.3);         // at another speed throughout
-  found(run(0, 0.1, 0.4), run(0, 0), 0.5, 0.3);  // and rows at different ones
+  CHECK(what_is_followed(run(0, 0), run(0, 0.1)).least == 0);  // as nobody knows
+  found(run(0, 0.3), run(0, 0), 0, 0.3);                       // at another speed throughout
+  found(run(0, 0.1, 0.4), run(0, 0), 0.5, 0.3);                // and rows at different ones
 }
 
 TEST_CASE("between two runs at different speeds what these explain is undecided", "[unit]") {
@@ -232,15 +235,19 @@ TEST_CASE("between two runs at different speeds what these explain is undecided"
   CHECK_FALSE(as_fast.regression());
   CHECK_THAT(compare_table(as_fast),
              Catch::Contains("no regression, but changes that are UNDECIDED") &&
-                 Catch::Contains("was 2.00 times as slow as before") &&
+                 Catch::Contains("device itself was 2.00 times as slow as before") &&
                  Catch::Contains(" undecided\n"));
   CHECK(compare_json(as_fast)["undecided"] == true);
   CHECK(compare_json(as_fast)["study"]["change"] == "undecided");
   CHECK(beside(2 * 1.3).study.change == Change::worse);
-  // A limit that is asked for is the limit of what speeds are alike, too.
-  const Comparison at_five = compare_results(base, run(1.1, 1.1), {.threshold = 0.05});
-  CHECK(at_five.study.change == Change::undecided);
-  CHECK(compare_results(base, run(1.1, 1.1), {}).study.ratio == Approx(1));
+  // What nobody knows is undecided at a smaller threshold too.
+  const auto at_three = [&](double longer, double speed) {
+    return compare_results(base, run(longer, speed), {.threshold = 0.03});
+  };
+  CHECK(at_three(1.1, 1.1).study.change == Change::none);
+  CHECK(at_three(1, 1.1).study.change == Change::undecided);
+  CHECK(at_three(1, 1 / 1.1).study.change == Change::undecided);
+  CHECK(at_three(1.2, 1.1).study.change == Change::worse);
   CHECK(beside(1.1).study.change == Change::none);
   CHECK_FALSE(beside(1.1).undecided());
   CHECK(compare_results(base, base, {}).clock_ratio == 1);
@@ -304,6 +311,10 @@ TEST_CASE("a cell that follows a neighbour less than others do is no regression"
   }
   CHECK(alarms == 0);
   CHECK(undecided >= 15);
+  // Nor is a study of that cell alone.
+  Json base = run(0, true), now = run(1, false);
+  for (Json* results : {&base, &now}) (*results)["cells"] = Json::array({(*results)["cells"][1]});
+  CHECK(compare_results(base, now, {}).study.change == Change::undecided);
 }
 
 TEST_CASE("times beside another calibration kernel are not compared", "[unit]") {

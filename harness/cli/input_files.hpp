@@ -9,8 +9,9 @@
 
 namespace koksma {
 
-// {path: hash of the text}: they decide results too, so cells measured with other contents are not
-// taken over. `integrands`: entries, each with its .cl beside it; `directions`: "" for none.
+// {path: hash of the text}, null where there are none: they decide results too, so cells measured
+// with other contents are not taken over. `integrands`: entries, each with its .cl beside it;
+// `directions`: "" for none.
 Json input_files(const Catalog& catalog, const Study& study,
                  const std::vector<std::string>& integrands, const std::string& directions);
 

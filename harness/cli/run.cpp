@@ -274,7 +274,8 @@ int run(const RunOptions& options, const std::string& command_line) {
   Json context = make_context(device.facts(), study, command_line);
   context["calibration"] = Calibration::identity(device.facts());
   Json same_context = resume_context(context);
-  same_context["files"] = input_files(catalog, study, options.integrands, options.directions);
+  const Json files = input_files(catalog, study, options.integrands, options.directions);
+  if (!files.is_null()) same_context["files"] = files;
   Journal journal(out, same_context, options.resume);
   if (!options.quiet && journal.taken_over() > 0)
     fmt::print(stderr, "{} finished cells taken over from {}\n", journal.taken_over(),

@@ -44,8 +44,9 @@ Calibration::Calibration(Device& device) : device_(device) {
 
 std::string Calibration::identity(const DeviceFacts& device) {
   const LaunchShape shape = shape_on(device);
-  std::uint64_t hash = fnv1a(fmt::format("{} {}", shape.local_size, kGroupsPerUnit));
-  std::istringstream lines(pruned(calibration_program(shape).text).text);
+  const ProgramSource source = calibration_program(shape);
+  std::uint64_t hash = fnv1a(fmt::format("{} {}", kGroupsPerUnit, source.options));
+  std::istringstream lines(pruned(source.text).text);
   std::string code;
   for (std::string line; std::getline(lines, line);)
     if (!line.starts_with("#line")) code += line + "\n";

@@ -18,8 +18,8 @@ class Calibration {
   // and their wall time is summed, for the cost of calibrating to be known.
   double run();
 
-  // Tells its kernels apart, by what runs and not by comments, as 16 hexadecimal digits: times
-  // beside different ones are not to be compared.
+  // Tells its kernels apart, by their code and not by comments, as 16 hexadecimal digits: times
+  // beside different ones are not to be compared, nor those of different devices.
   static std::string identity(const DeviceFacts& device);
 
   std::size_t launches() const { return launches_; }

@@ -267,12 +267,11 @@ class Comparer {
       now.push_back(pair->new_launches);
     }
     if (base.empty()) return;
-    // What is below the threshold explains nothing beyond it.
-    const double negligible = std::log1p(result_.options.threshold);
-    const Followed followed = what_is_followed(base, now, negligible);
+    const Followed followed = what_is_followed(base, now);
     result_.calibration_followed = followed.share;
     result_.clock_ratio = std::exp(followed.clock);
-    if (std::fabs(followed.clock) < negligible) return;
+    // Less is left to the threshold.
+    if (std::fabs(followed.clock) < std::log1p(result_.options.threshold)) return;
     explained_ = followed.explained();
     explained_of_one_ = followed.explained_of_one();
     const auto ratios = [](const Interval& logarithms) {
@@ -280,6 +279,11 @@ class Comparer {
     };
     result_.explained = ratios(explained_);
     result_.explained_of_one = ratios(explained_of_one_);
+    result_.notes.push_back(
+        fmt::format("the device itself was {:.2f} times as {} as before: run both again to know of "
+                    "changes that "
+                    "this may explain",
+                    std::exp(std::fabs(followed.clock)), followed.clock > 0 ? "slow" : "fast"));
   }
 
   // A third of alpha to each level, there divided by the number of tests.
@@ -296,13 +300,8 @@ class Comparer {
       decide(cell.time, threshold, share / cells, result_.cell_spread, single_dof(ratios),
              explained_of_one_);
     }
-    decide(result_.study, threshold, share, result_.study_spread, spread_dof(ratios), explained_);
-    if (result_.undecided())
-      result_.notes.push_back(fmt::format(
-          "the device at its fastest was {:.2f} times as {} as before, and may explain what is "
-          "undecided: run both again",
-          std::max(result_.clock_ratio, 1 / result_.clock_ratio),
-          result_.clock_ratio > 1 ? "slow" : "fast"));
+    decide(result_.study, threshold, share, result_.study_spread, spread_dof(ratios),
+           result_.cells_timed == 1 ? explained_of_one_ : explained_);
   }
 
   Comparison result_;

@@ -126,7 +126,8 @@ std::string verdict(const Comparison& c) {
 std::string calibration_text(const Comparison& c) {
   if (!c.calibration_followed) return "";
   return fmt::format(
-      "; the calibration kernel itself: {:.2f}, followed by {:.2f} of it; at its fastest: {:.2f}",
+      "; the calibration kernel itself: {:.2f}, followed by {:.2f} of it; the device itself: "
+      "{:.2f}",
       c.calibration_ratio, *c.calibration_followed, c.clock_ratio);
 }
 

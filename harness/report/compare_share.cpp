@@ -103,17 +103,16 @@ std::optional<double> share_between(const std::vector<RowShift>& rows) {
   return share && std::fabs(*share - 1) < kFollowsFully ? 1 : share;
 }
 
-Interval Followed::between(double least) const {
-  const double low = (least - share) * clock, high = (std::max(share, 1.0) - share) * clock;
-  return {std::min(low, high), std::max(low, high)};
+Interval Followed::between(double low) const {
+  const double less = (low - share) * clock, more = (std::max(share, 1.0) - share) * clock;
+  return {std::min(less, more), std::max(less, more)};
 }
 
-Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now,
-                          double negligible) {
+Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now) {
   std::vector<Launches> runs = base;
   runs.insert(runs.end(), now.begin(), now.end());
   if (const auto within = share_within(runs))
-    return {*within, fast_calibration(now) - fast_calibration(base)};
+    return {*within, fast_calibration(now) - fast_calibration(base), *within};
   std::vector<RowShift> shifts;
   std::vector<double> clocks;
   for (std::size_t i = 0; i < base.size(); ++i) {
@@ -121,8 +120,9 @@ Followed what_is_followed(const std::vector<Launches>& base, const std::vector<L
     clocks.push_back(shifts.back().calibration);
   }
   const double clock = median_of(std::move(clocks));
-  if (std::fabs(clock) < negligible) return {1, clock};
-  return {share_between(shifts).value_or(0), clock};
+  if (std::fabs(clock) < std::log(kSpeedsDiffer)) return {1, clock, 0};
+  const double between = share_between(shifts).value_or(0);
+  return {between, clock, between};
 }
 
 }  // namespace koksma

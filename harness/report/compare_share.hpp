@@ -44,21 +44,21 @@ struct Followed {
   // How much slower the device itself became, as a logarithm: its change is nobody's on the same
   // core, so times may follow another part of it.
   double clock = 0;
+  double least = 1;  // share that a study follows
 
-  // Logarithms of changes that this explains: of a study, whose times follow the share or up to
-  // all, and of one row or cell, which may follow none of it.
-  Interval explained() const { return between(share); }
+  // Logarithms of changes that this explains: of a study, whose times follow the least share or up
+  // to all, and of one row or cell, which may follow none of it.
+  Interval explained() const { return between(least); }
   Interval explained_of_one() const { return between(0); }
 
  private:
-  Interval between(double least) const;
+  Interval between(double low) const;
 };
 
 // The share within, and the clock by the calibration's fastest launches. Where it is unknown, as
-// each run knew one speed: all, if the calibration changed by less than `negligible` (a logarithm),
-// else that between runs, or none; and the whole change may be the clock's. base[i] and now[i]: of
-// the same row.
-Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now,
-                          double negligible);
+// each run knew one speed, the whole change may be the clock's, and the share is that between runs,
+// or nobody knows: 1, if the calibration changed by less than kSpeedsDiffer, else 0. base[i] and
+// now[i]: of the same row.
+Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now);
 
 }  // namespace koksma

@@ -109,7 +109,7 @@ void decide(TimeChange& time, double threshold, double p_limit, double spread, d
   const double change = std::log(time.ratio),
                left = change - std::clamp(change, explained.low, explained.high);
   if (std::fabs(change) < most) return;
-  if (std::fabs(left) < most)
+  if (left == 0 || std::fabs(left) < most)
     time.change = Change::undecided;
   else
     time.change = left > 0 ? Change::worse : Change::better;
