@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "catalog/embedded.hpp"
+#include "device/calibration.hpp"
 #include "error/error.hpp"
 #include "journal/cell_json.hpp"
 #include "journal/journal.hpp"
@@ -133,6 +134,7 @@ TEST_CASE("the results say what was asked and how it was built", "[device]") {
   CHECK(run.command.output.empty());
   CHECK(run.results["schema_version"] == kResultsSchemaVersion);
   CHECK(run.results["context"]["seed"] == 5);
+  CHECK(run.results["context"]["calibration"] == Calibration::identity(test::device().facts()));
   CHECK_THAT(run.results["context"]["command"].get<std::string>(),
              Contains("run " + test::kCheap.substr(0, test::kCheap.size() - 1)));
   CHECK(run.results["context"]["study"]["cells"][0]["samplers"] == Json({"sobol-owen"}));

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <sstream>
 
 #include "device/cache.hpp"
 #include "plan/prune.hpp"
 #include "plan/tokens.hpp"
+#include "plan/untuned_shape.hpp"
 
 namespace koksma {
 namespace {
@@ -18,20 +18,10 @@ using Clock = std::chrono::steady_clock;
 // Work-groups per compute unit: several, so that a core that is late is waited for less long.
 constexpr std::size_t kGroupsPerUnit = 4;
 
-LaunchShape shape_on(const DeviceFacts& device) {
-  LaunchShape shape;
-  shape.lanes_per_item = device.is_cpu ? 16 : 1;
-  shape.local_size =
-      device.is_cpu
-          ? 1
-          : static_cast<std::uint32_t>(std::min<std::uint64_t>(64, device.max_work_group_size));
-  return shape;
-}
-
 }  // namespace
 
 Calibration::Calibration(Device& device) : device_(device) {
-  const LaunchShape shape = shape_on(device.facts());
+  const LaunchShape shape = untuned_shape(device.facts());
   local_size_ = shape.local_size;
   items_ = std::size_t{device.facts().compute_units} * kGroupsPerUnit * local_size_;
   const BuiltProgram built = device.build(calibration_program(shape));
@@ -43,7 +33,7 @@ Calibration::Calibration(Device& device) : device_(device) {
 }
 
 std::string Calibration::identity(const DeviceFacts& device) {
-  const LaunchShape shape = shape_on(device);
+  const LaunchShape shape = untuned_shape(device);
   const ProgramSource source = calibration_program(shape);
   std::uint64_t hash = fnv1a(fmt::format("{} {}", kGroupsPerUnit, source.options));
   std::istringstream lines(pruned(source.text).text);

@@ -2,24 +2,12 @@
 
 #include <algorithm>
 
+#include "plan/untuned_shape.hpp"
+
 namespace koksma {
-namespace {
-
-// As the integration kernels: wide items on a CPU, many scalar ones on a GPU.
-LaunchShape quality_shape(const DeviceFacts& device) {
-  LaunchShape shape;
-  shape.lanes_per_item = device.is_cpu ? 16 : 1;
-  shape.local_size =
-      device.is_cpu
-          ? 1
-          : static_cast<std::uint32_t>(std::min<std::uint64_t>(64, device.max_work_group_size));
-  return shape;
-}
-
-}  // namespace
 
 QualityKernels::QualityKernels(Device& device, bool fp64)
-    : device_(device), fp64_(fp64), shape_(quality_shape(device.facts())) {}
+    : device_(device), fp64_(fp64), shape_(untuned_shape(device.facts())) {}
 
 std::uint32_t QualityKernels::padded(std::uint64_t n) const {
   const std::uint64_t lanes = shape_.lanes_per_item;

@@ -56,9 +56,9 @@ struct Followed {
 };
 
 // The share within, and the clock by the calibration's fastest launches. Where it is unknown, as
-// each run knew one speed, the whole change may be the clock's, and the share is that between runs,
-// or nobody knows: 1, if the calibration changed by less than kSpeedsDiffer, else 0. base[i] and
-// now[i]: of the same row.
+// each run knew one speed, the whole change may be the clock's; the share is 1 then, if the
+// calibration changed by less than kSpeedsDiffer, though a study may follow none of so little, else
+// that between runs, or 0. base[i] and now[i]: of the same row.
 Followed what_is_followed(const std::vector<Launches>& base, const std::vector<Launches>& now);
 
 }  // namespace koksma
